@@ -61,13 +61,16 @@ MATERIALS = {finish.name: material for material, finish in FINISHES.items()}
 
 
 _GREY, _COLOURED = 4.0, 16.0
-"""Differences of 255 between the channels of a picture's middle texel: grey to the first, coloured from the second."""
+"""Differences of 255 between the channels of a picture: grey to the first, coloured from the second."""
+
+_PALER = 0.9
+"""Share of its texels that have at most this difference: paper and unused texels may be most of it."""
 
 
 def colour_share(colours: np.ndarray) -> float:
     """From 0, of a picture in shades of grey, to 1, how far one of colours (..., 3) from 0 to 255 is coloured."""
-    middle = float(np.median(np.ptp(colours.astype(np.float32), axis=-1)))
-    return float(np.interp(middle, (_GREY, _COLOURED), (0.0, 1.0)))
+    difference = float(np.quantile(np.ptp(colours.astype(np.float32), axis=-1), _PALER))
+    return float(np.interp(difference, (_GREY, _COLOURED), (0.0, 1.0)))
 
 
 def toned(colours: np.ndarray, share: float) -> np.ndarray:

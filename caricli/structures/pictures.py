@@ -1,14 +1,14 @@
 """What a face wears."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 
 from caricli.errors import shown
 from caricli.structures.checks import refuse
-from caricli.structures.materials import FINISHES, Finish, Material, colour_share
+from caricli.structures.materials import FINISHES, Finish, Material, colour_share, toned
 
 PICTURED = {
     Material.SKIN: "skin",
@@ -61,6 +61,13 @@ class Pictures:
     def coloured(self) -> float:
         """From 0, where the skin is in shades of grey, to 1, how far what is plain beside it has its colour."""
         return 1.0 if self.skin is None else colour_share(self.skin[::_SPARSE, ::_SPARSE])
+
+    def with_toned_eyes(self) -> "Pictures":
+        """The same, the eyes with as much colour as the skin leaves to what is plain."""
+        if self.eyes is None:
+            return self
+        eyes = np.rint(toned(self.eyes.astype(np.float32), self.coloured)).astype(np.uint8)
+        return replace(self, eyes=eyes)
 
     def finish(self, material: Material | int) -> Finish:
         """How a material looks that wears none of them."""

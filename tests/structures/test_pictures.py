@@ -45,3 +45,17 @@ def test_what_is_plain_beside_a_grey_skin_is_grey():
     assert 0 < pale.coloured < 1
     red, _, blue = pale.finishes["tongue"].colour
     assert 0 < red - blue < FINISHES[Material.TONGUE].colour[0] - FINISHES[Material.TONGUE].colour[2]
+
+
+def test_paper_and_unused_texels_make_no_skin_grey():
+    most = np.zeros((10, 10, 3), np.uint8)
+    most[:3] = 206, 160, 136
+    assert Pictures(np.kron(most, np.ones((4, 4, 1), np.uint8))).coloured == 1
+
+
+def test_eyes_beside_a_grey_skin_are_toned():
+    brown = np.tile(np.array([148, 110, 94], np.uint8), (8, 8, 1))
+    tan = np.tile(np.array([206, 160, 136], np.uint8), (8, 8, 1))
+    np.testing.assert_array_equal(Pictures(tan, brown).with_toned_eyes().eyes, brown)
+    assert (Pictures(DARK, brown).with_toned_eyes().eyes == 117).all()
+    assert Pictures(DARK).with_toned_eyes().eyes is None

@@ -8,7 +8,6 @@ from caricli.render.eyes.iris_radius import iris_radius
 from caricli.render.eyes.paint_eye import IRIS, paint_eye
 from caricli.render.eyes.place_eyeballs import place_eyeballs
 from caricli.structures import Face
-from caricli.structures.materials import colour_share, toned
 from caricli.template.annotation import Annotation
 
 _SMALLEST, _LARGEST = 0.7 * IRIS, 1.5 * IRIS  # whatever a picture tells
@@ -21,7 +20,7 @@ def eye_picture(
 
     face: Face with camera. points: (L, 2) its landmarks, pixels, NaN where an eye is not seen. annotation: of its
     topology. image: (H, W, 3) uint8. generator: of the fibres of the iris.
-    Returns (TEXTURE, TEXTURE, 3) uint8 sRGB, in shades of grey where the face has no colour.
+    Returns (TEXTURE, TEXTURE, 3) uint8 sRGB.
     """
     iris, white = eye_colours(image, points)
     radii = [radius for _, radius in place_eyeballs(face.mesh, annotation)]
@@ -31,14 +30,4 @@ def eye_picture(
         sine = min(pixels / (face.require_camera().scale * float(np.mean(radii))), 1)
         # On generated faces the square of what is explained is how far it helps to believe it.
         reach += explained**2 * (float(np.arcsin(sine)) / (2 * np.pi) - IRIS)
-    eye = paint_eye(TEXTURE, generator, iris, white, min(max(reach, _SMALLEST), _LARGEST))
-    return np.rint(toned(eye.astype(np.float32), colour_share(_around(image, face)))).astype(np.uint8)
-
-
-def _around(image: np.ndarray, face: Face) -> np.ndarray:
-    """(H, W, 3), the part of an image where a face is."""
-    places = face.require_camera().project(face.vertices)
-    left, top = np.maximum(places.min(0), 0).astype(int)
-    right, bottom = np.maximum(np.ceil(places.max(0)), [left + 1, top + 1]).astype(int)
-    around: np.ndarray = image[top:bottom, left:right]
-    return around
+    return paint_eye(TEXTURE, generator, iris, white, min(max(reach, _SMALLEST), _LARGEST))

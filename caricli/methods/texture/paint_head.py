@@ -131,7 +131,7 @@ def paint_head(
     wall = wall_pixels(head, ground.sight.camera, picture.size)
     error = photometric_error(bare, seen_face, picture.image, ground.sight.mask & ~wall, skin_texture.light)
     neck = neck_picture(head.with_vertices(template.vertices), texture, skin_texture.image)
-    pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck)
+    pictures = Pictures(texture, whole.pictures.eyes, hair_texture, neck).with_toned_eyes()
     seen = float(skin_texture.seen[skin_texture.covered].mean())
     whole = replace(whole, pictures=pictures)
     filled = picture.share * float(ground.mask.mean())

@@ -219,3 +219,16 @@ def test_light_is_taken_out_and_the_error_measured_in_it(pictured):
         return rows[60:75].mean() / rows[21:36].mean()
 
     assert abs(halves(out.pictures.skin) - 1) < 0.4 * abs(halves(kept.pictures.skin) - 1)
+
+
+def test_eyes_have_the_colour_of_their_picture_also_on_white_paper_and_none_in_a_grey_one(pictured):
+    paper = np.where(pictured.mask[..., None], pictured.image, np.uint8(255))
+    grey = paper.mean(2, keepdims=True).astype(np.uint8).repeat(3, 2)
+    chroma = []
+    for image in (paper, grey):
+        # Most of the picture is paper.
+        wide = np.pad(image, ((0, 0), (0, 600), (0, 0)), constant_values=255)
+        mask = np.pad(pictured.mask, ((0, 0), (0, 600)))
+        eyes = paint_head(pictured.face, pictured.head, wide, mask, SMALL).rig.pictures.eyes.astype(int)
+        chroma.append(np.ptp(eyes, axis=2).mean())
+    assert chroma[0] > 10 and chroma[1] == 0, chroma
