@@ -25,7 +25,7 @@ _SHORTEST = 0.01
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
-_KNOWN = 0.9
+_SURELY = 0.9
 """Of the cost above which a stroke draws no curve: what one costs at most that is surely an eye."""
 _PIECES = 4
 """Strokes that continue a nose before others have found their curves, at most."""
@@ -180,7 +180,7 @@ class _Naming:
         self.costs.part[eyes] = np.inf
         drawn = np.ix_(eyes, lids)
         dearest = float(self.costs.whole[drawn].max())
-        self.costs.whole[drawn] *= min(1.0, _KNOWN * self.settings.dearest / dearest)
+        self.costs.whole[drawn] *= min(1.0, _SURELY * self.settings.dearest / dearest)
 
     @property
     def complete(self) -> bool:
