@@ -124,7 +124,7 @@ class _Task:
         from caricli.store.face_files import write_face_result
         from caricli.store.pictures import find_picture
 
-        picture = find_picture(self.image, source, self.many)
+        picture = find_picture(self.image, source, target.stem if self.many else None)
         model = self.drawing.model
         strengths = [self.about["strength"] * share for share in DRAWN]
         with staged_face(target, self.overwrite, (*self.inputs, picture)) as files:

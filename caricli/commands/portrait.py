@@ -71,7 +71,8 @@ def command(ctx, pictures, out_dir, style, coarse, landmarks, size, head, pts_or
     if landmarks is None:
         refuse_typed("--pts-origin is of --landmarks.", "pts_origin")
     jobs = named_jobs(pictures, "PICTURE", None, out_dir, "")
-    files = PortraitFiles(pictures, out_dir, landmarks, pts_origin, overwrite)
+    names = {picture: folder.name for picture, folder in jobs}
+    files = PortraitFiles(names, out_dir, landmarks, pts_origin, overwrite)
     files.check()
     chain = PortraitChain(files, style, coarse, PaintSettings(size, seed=seed, head=head))
     run_batch(ctx, jobs, chain.run, "pictures", files.write_page)

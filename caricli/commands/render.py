@@ -1,8 +1,7 @@
 """caricli render: shaded pictures of faces."""
 
-import os
 from dataclasses import replace
-from itertools import chain, zip_longest
+from itertools import chain
 
 import click
 
@@ -17,6 +16,7 @@ from caricli.commands.shared.options import (
     refuse_typed,
 )
 from caricli.errors import InputError, UsageError, naming, shown
+from caricli.io.distinct_names import distinct_names
 from caricli.io.face import read_face
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged
@@ -98,24 +98,11 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
             faces = [_whole(path, head) for path in paths]
-            picture = _draw(temporary, faces, _names(paths), settings)
+            picture = _draw(temporary, faces, distinct_names(paths), settings)
         else:
             picture = _overlay(read_face(paths[0]), paths[0], head, image)
             write_png(temporary, picture)
     echo_result(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
-
-
-def _names(paths):
-    """The stem of every path; where two share one, what of the paths is not the same in all."""
-    stems = [path.stem for path in paths]
-    if len(set(stems)) == len(stems):
-        return stems
-    root = os.path.commonpath([path.parent.absolute() for path in paths])
-    below = [path.absolute().relative_to(root) for path in paths]
-    # From the end, because a folder may lie deeper than another.
-    places = [*zip_longest(*(reversed((*path.parent.parts, path.stem, path.suffix[1:])) for path in below))]
-    told = [parts for parts in reversed(places) if len(set(parts)) > 1] or [stems]
-    return ["/".join(filter(None, parts)) or stem for parts, stem in zip(zip(*told, strict=True), stems, strict=True)]
 
 
 def _whole(path, head):

@@ -46,22 +46,22 @@ def marks_beside(picture: Path) -> Path | None:
     return next((file for file in files if file.is_file()), None)
 
 
-def find_picture(image: Path | None, path: Path, many: bool) -> Path | None:
+def find_picture(image: Path | None, path: Path, name: str | None) -> Path | None:
     """The picture of a landmark file: the given one, or where there are many, that of its name in a folder.
 
     image: path of a picture, or of a folder of pictures, or None. path: of the landmarks; one that is a picture itself
-    has none in the folder.
+    has none in the folder. name: that tells the file from the others, or None where there is one alone.
     Raises InputError where many inputs share one picture, and where the folder has none of the name.
     """
-    if image is None or not many:
+    if image is None or name is None:
         return image
     if is_image_file(path):
         return None
     if not image.is_dir():
         raise InputError(f"{image}: expected a folder of pictures, because results of many inputs were asked for")
-    pictures = [image / f"{path.stem}{suffix}" for suffix in PICTURES if (image / f"{path.stem}{suffix}").is_file()]
+    pictures = [image / f"{name}{suffix}" for suffix in PICTURES if (image / f"{name}{suffix}").is_file()]
     if not pictures:
-        raise InputError(f"{image}: expected a picture named {path.stem} with one of {', '.join(PICTURES)}")
+        raise InputError(f"{image}: expected a picture named {name} with one of {', '.join(PICTURES)}")
     return pictures[0]
 
 

@@ -72,19 +72,20 @@ class PortraitHead:
     failed: str = ""
 
 
-def portrait_heads(home: Path, pictures: Sequence[Path], failures: Mapping[Path, str]) -> list[PortraitHead]:
+def portrait_heads(home: Path, names: Mapping[Path, str], failures: Mapping[Path, str]) -> list[PortraitHead]:
     """The heads in a folder, of this run and of others, and those that failed now; folders of something else are none.
 
-    pictures: of this run. failures: why, by the picture.
+    names: of the heads of this run, by their pictures. failures: why, by the picture.
     """
-    given = {path.stem: path for path in pictures}
+    given = {name: path for path, name in names.items()}
     heads = {}
     for report in home.glob(f"*/{REPORT}"):
         name = report.parent.name
         if _told(report, "command") == "portrait":
             # What another run was given is shown as the page has it: a path in a file is not followed elsewhere.
             heads[name] = PortraitHead(name, given.get(name, home / SMALL / name / _COPY), Path(name))
-    heads |= {path.stem: PortraitHead(path.stem, path, Path(path.stem), text) for path, text in failures.items()}
+    lacking = [(names[path], path, text) for path, text in failures.items()]
+    heads |= {name: PortraitHead(name, path, Path(name), text) for name, path, text in lacking}
     return [heads[name] for name in sorted(heads, key=_natural)]
 
 

@@ -173,7 +173,7 @@ def test_wrong_usage(refused, heads, tmp_path):
 
 
 def test_a_caricature_is_made_first_where_a_style_is_given(tmp_path):
-    files = PortraitFiles([tmp_path / "a.png"], tmp_path, None, 1, False)
+    files = PortraitFiles({tmp_path / "a.png": "a"}, tmp_path, None, 1, False)
     chain = PortraitChain(files, "ink", "elastic", PaintSettings())
     steps = chain._steps(tmp_path / "a.png", None, tmp_path / "a")
     first, taken, fit, *_ = steps
@@ -195,7 +195,7 @@ def test_heads_begin_as_they_are_told_to(sitter, tmp_path, coarse, command):
     picture, points = sitter
     write_png(tmp_path / "picture.png", picture)
     write_landmarks(tmp_path / "landmarks.json", Landmarks(points, (SIDE, SIDE)))
-    files = PortraitFiles((), tmp_path, None, 1, False)
+    files = PortraitFiles({}, tmp_path, None, 1, False)
     chain = PortraitChain(files, None, coarse, PaintSettings(64))
     given = LandmarkFiles((), tmp_path / "face.obj", None, tmp_path / "picture.png", FaceReader(), False)
     with click.Context(click.Command("portrait")):

@@ -125,7 +125,8 @@ def test_several_faces_become_a_labelled_sheet(obj, npz, tmp_path):
         (["a/one.obj", "b/two.obj"], ["one", "two"]),
         (["heads/ann/textured/face.obj", "heads/bob/textured/face.obj"], ["ann", "bob"]),
         (["face.obj", "deep/ann/face.obj"], ["face", "deep/ann"]),
-        (["take/face.obj", "take/face.ply"], ["obj", "ply"]),
+        (["take/face.obj", "take/face.ply"], ["face/obj", "face/ply"]),
+        (["ann/face.obj", "bob/face.ply"], ["ann", "bob"]),
         (["face.obj", "face.obj"], ["face", "face"]),
     ],
 )

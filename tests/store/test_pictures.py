@@ -27,13 +27,14 @@ def photo(tmp_path):
 
 
 def test_one_picture_or_a_folder_of_them(photo, tmp_path):
-    assert find_picture(photo, tmp_path / "marks.json", many=False) == photo
-    assert find_picture(photo.parent, tmp_path / "marks.json", many=True) == photo
-    assert find_picture(None, tmp_path / "marks.json", many=True) is None
+    assert find_picture(photo, tmp_path / "marks.json", None) == photo
+    assert find_picture(photo.parent, tmp_path / "marks.json", "marks") == photo
+    assert find_picture(photo.parent, tmp_path / "marks" / "landmarks.json", "marks") == photo
+    assert find_picture(None, tmp_path / "marks.json", "marks") is None
     with pytest.raises(InputError, match="expected a folder of pictures"):
-        find_picture(photo, tmp_path / "marks.json", many=True)
+        find_picture(photo, tmp_path / "marks.json", "marks")
     with pytest.raises(InputError, match=r"expected a picture named other with one of \.png"):
-        find_picture(photo.parent, tmp_path / "other.json", many=True)
+        find_picture(photo.parent, tmp_path / "other.json", "other")
 
 
 def test_landmarks_learn_the_size_of_their_picture(points, photo, tmp_path):

@@ -29,7 +29,9 @@ def report(folder):
 
 def page_of(home, pictures=(), failures=None):
     """Write the page of a folder, and return it."""
-    write_page(home, portrait_heads(home, pictures, failures or {}), True, pictures)
+    failures = failures or {}
+    names = {path: path.stem for path in (*pictures, *failures)}
+    write_page(home, portrait_heads(home, names, failures), True, pictures)
     return (home / "index.html").read_text("utf-8")
 
 
@@ -52,7 +54,7 @@ def test_reports_that_somebody_changed_leave_their_cells_empty(home, text):
 def test_a_page_of_earlier_heads_is_written_anew_and_another_is_not(home):
     assert "1 of 1 finished" in page_of(home)
     write_json(report_of(home, "more"), report(home.parent))
-    write_page(home, portrait_heads(home, (), {}), False, ())
+    write_page(home, portrait_heads(home, {}, {}), False, ())
     page = home / "index.html"
     assert "2 of 2 finished" in page.read_text("utf-8")
     page.write_text("mine")
@@ -70,7 +72,8 @@ def test_a_name_need_not_be_utf8(home):
 
 def test_numbers_in_names_are_counted_whatever_digits_they_have(home):
     names = ["10²", "9²", "٣", "x²"]
-    heads = portrait_heads(home, (), {home / f"{name}.png": "no face" for name in names})
+    pictures = {home / f"{name}.png": name for name in names}
+    heads = portrait_heads(home, pictures, dict.fromkeys(pictures, "no face"))
     assert [head.name for head in heads] == ["٣", "9²", "10²", "ours", "x²"]
 
 

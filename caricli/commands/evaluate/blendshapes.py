@@ -10,6 +10,7 @@ from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import PATH, WholeRange, data_option, out_option, overwrite_option, seed_option
 from caricli.commands.shared.tables import number, print_table
 from caricli.errors import naming, shown
+from caricli.io.distinct_names import distinct_names
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder
 from caricli.io.provenance import provenance
@@ -82,7 +83,9 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
             tools = replace(tools, expressions=dataset_expressions(data, tools.actions.names))
             unseen = unseen_data(data, tools.seen, everyone)
             caricatures = dataset_caricatures(unseen.data, count)
-        drawings = [(name, load_caricature(path, tools)) for name, path in zip(_names(faces), faces, strict=True)]
+        drawings = [
+            (name, load_caricature(path, tools)) for name, path in zip(distinct_names(faces), faces, strict=True)
+        ]
         sheet = BlendshapeSheet(tools, SHOWN, SIZE)
         tally = _evaluate(caricatures, given, seed, sheet)
         _add_drawings(sheet, drawings)
@@ -106,12 +109,6 @@ def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
             if not sheet.cells and caricature.level == most:
                 sheet.add_comparison(comparison)
     return tally
-
-
-def _names(faces: tuple[Path, ...]) -> list[str]:
-    """What the sheet calls faces: by their stems, and their whole paths where several have the same."""
-    stems = [path.stem for path in faces]
-    return [stem if stems.count(stem) == 1 else str(path) for stem, path in zip(stems, faces, strict=True)]
 
 
 def _add_drawings(sheet: Any, drawings: list) -> None:

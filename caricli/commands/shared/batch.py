@@ -9,6 +9,7 @@ from caricli.commands.shared.notes import echo_notes, echo_result
 from caricli.commands.shared.options import followed
 from caricli.commands.shared.progress import progress_bar
 from caricli.errors import CaricliError, shown
+from caricli.io.distinct_names import distinct_names
 from caricli.io.outputs import written_for
 
 
@@ -17,6 +18,8 @@ def named_jobs(
 ) -> list[tuple[Path, Path]]:
     """Pairs of an input and the file to write for it: ``out`` for one, or one in ``out_dir`` under the input's name.
 
+    Inputs of one name are told apart by their folders: ``heads/anna/face.npz`` and ``heads/otto/face.npz`` become
+    ``anna`` and ``otto``.
     noun: what the command's help calls an input. suffixes: that files may have, such as ".obj"; those in ``out_dir``
     have the first.
     Raises click.UsageError unless exactly one of out and out_dir fits.
@@ -27,17 +30,14 @@ def named_jobs(
         raise click.UsageError(f"{shown(out)}: expected a name that ends in {' or '.join(suffixes)}")
     if out is not None and len(inputs) > 1:
         raise click.UsageError(f"--out takes one {noun}; for more use --out-dir.")
-    jobs = [(path, _target(path, out, out_dir, suffixes[0])) for path in inputs]
-    if len({target for _, target in jobs}) < len(jobs):
-        raise click.UsageError(f"Two {noun} have the same name; their results would replace each other.")
-    return jobs
-
-
-def _target(path: Path, out: Path | None, out_dir: Path | None, suffix: str) -> Path:
     if out is not None:
-        return out
+        return [(path, out) for path in inputs]
     assert out_dir is not None
-    return followed(out_dir / f"{path.stem}{suffix}")
+    targets = [followed(out_dir / f"{name}{suffixes[0]}") for name in distinct_names(inputs, between="-")]
+    twice = [target for number, target in enumerate(targets) if target in targets[:number]]
+    if twice:
+        raise click.UsageError(f"{shown(twice[0])}: two {noun} would be written there.")
+    return [*zip(inputs, targets, strict=True)]
 
 
 def run_batch(

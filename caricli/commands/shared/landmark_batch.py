@@ -96,7 +96,7 @@ class FitTask:
 
     def run(self, path: Path, target: Path) -> str:
         """Fit a face to a landmark file, write it, and say how near it came."""
-        image = find_picture(self.files.image, path, many=self.files.out is None)
+        image = find_picture(self.files.image, path, None if self.files.out else target.stem)
         labels = self.files.parsing if self.parses else None
         inputs = (*self.files.landmarks, *self.inputs, *self.sources, image, labels, self.files.reader.path)
         with staged_face(target, self.files.overwrite, inputs, optional=seen_files(path, target)) as files:

@@ -1,6 +1,6 @@
 """What is done with a picture until it is a head that moves: one command after the other, into one folder."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -47,11 +47,12 @@ SIZE = 320
 class PortraitFiles:
     """What is read and written, as it was typed.
 
-    pictures: paths. out_dir: folder of the heads and their page. landmarks: path of landmarks, or of a folder of them,
-    or None. pts_origin: coordinate of the first pixel in .pts files. overwrite: whether what exists is replaced.
+    names: of the heads, by the paths of their pictures. out_dir: folder of the heads and their page. landmarks: path of
+    landmarks, or of a folder of them, or None. pts_origin: coordinate of the first pixel in .pts files. overwrite:
+    whether what exists is replaced.
     """
 
-    pictures: Sequence[Path]
+    names: Mapping[Path, str]
     out_dir: Path
     landmarks: Path | None
     pts_origin: int
@@ -59,27 +60,26 @@ class PortraitFiles:
 
     def check(self) -> None:
         """Refuse before the work what would be refused after it."""
-        if self.landmarks is not None and not self.landmarks.is_dir() and len(self.pictures) > 1:
+        if self.landmarks is not None and not self.landmarks.is_dir() and len(self.names) > 1:
             raise InputError(f"{shown(self.landmarks)}: expected a folder of landmarks, as there are many pictures")
-        for picture in self.pictures:
-            if picture.stem in TAKEN:
-                raise InputError(
-                    f"{shown(picture)}: expected a name that is not the page's, found {shown(picture.stem)}"
-                )
-        check_page(self.out_dir, self.overwrite, [*self.pictures, self.landmarks])
+        for picture, name in self.names.items():
+            if name in TAKEN:
+                raise InputError(f"{shown(picture)}: expected a name that is not the page's, found {shown(name)}")
+        check_page(self.out_dir, self.overwrite, [*self.names, self.landmarks])
 
     def marks(self, picture: Path) -> Path | None:
         """The landmarks that were given for a picture."""
         if self.landmarks is None or not self.landmarks.is_dir():
             return self.landmarks
-        paths = (self.landmarks / f"{picture.stem}{suffix}" for suffix in MARKS)
+        paths = (self.landmarks / f"{self.names[picture]}{suffix}" for suffix in MARKS)
         return next((path for path in paths if path.is_file()), None)
 
     def write_page(self, failures: Sequence[tuple[Path, CaricliError]]) -> None:
         """Write the page of all heads, and of pictures that failed; a head that nothing replaces stays as it was."""
-        lacking = [each for each in failures if self.overwrite or not (self.out_dir / each[0].stem / REPORT).is_file()]
-        heads = portrait_heads(self.out_dir, self.pictures, {path: str(error) for path, error in lacking})
-        write_page(self.out_dir, heads, self.overwrite, [*self.pictures, self.landmarks])
+        reports = {path: self.out_dir / name / REPORT for path, name in self.names.items()}
+        lacking = {path: str(error) for path, error in failures if self.overwrite or not reports[path].is_file()}
+        heads = portrait_heads(self.out_dir, self.names, lacking)
+        write_page(self.out_dir, heads, self.overwrite, [*self.names, self.landmarks])
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ class PortraitChain:
     def run(self, picture: Path, folder: Path) -> str:
         """Make the head of a picture, in a folder of its own, and say what came of it."""
         given = self.files.marks(picture)
-        folders = staged_folder(folder, self.files.overwrite, (*self.files.pictures, given), REPORT)
+        folders = staged_folder(folder, self.files.overwrite, (*self.files.names, given), REPORT)
         with folders as head, progress_bar(shown(picture.name)) as report:
             steps = self._steps(picture, given, head)
             for number, step in enumerate(steps):

@@ -103,7 +103,7 @@ class SketchTask:
 
     def run(self, path: Path, target: Path) -> str:
         """Make the face of a sketch, write it, and say how near its curves came to the lines."""
-        image = find_picture(self.image, path, many=self.out is None)
+        image = find_picture(self.image, path, None if self.out else target.stem)
         inputs = (*self.sketches, self.network, self.model_path, image)
         with staged_face(target, self.overwrite, inputs) as files:
             sketch = load_sketch(path)

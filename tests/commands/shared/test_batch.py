@@ -4,9 +4,32 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from caricli.commands.shared.batch import run_batch
+from caricli.commands.shared.batch import named_jobs, run_batch
 from caricli.errors import InputError
 from caricli.io.outputs import staged
+
+
+@pytest.mark.parametrize(
+    ("places", "names"),
+    [
+        (["heads/ann/face.npz", "heads/bob/face.npz"], ["ann", "bob"]),
+        (
+            ["a/ann/textured/face.npz", "b/ann/textured/face.npz", "b/bob/face.npz"],
+            ["a-ann-textured", "b-ann-textured", "b-bob"],
+        ),
+        (["ann.png", "ann.jpg"], ["ann-png", "ann-jpg"]),
+        (["ann.png", "deep/bob.jpg"], ["ann", "bob"]),
+    ],
+)
+def test_inputs_of_one_name_are_told_apart_by_their_folders(places, names, tmp_path):
+    paths = [tmp_path / place for place in places]
+    jobs = named_jobs(paths, "FACE", None, tmp_path / "out", ".obj")
+    assert jobs == [(path, tmp_path / "out" / f"{name}.obj") for path, name in zip(paths, names, strict=True)]
+
+
+def test_one_input_twice_is_refused(tmp_path):
+    with pytest.raises(click.UsageError, match=r"out/a\.obj: two FACE would be written there"):
+        named_jobs([tmp_path / "a.npz", tmp_path / "a.npz"], "FACE", None, tmp_path / "out", ".obj")
 
 
 def test_what_failed_is_named_once():
