@@ -18,7 +18,7 @@ def distinct_names(paths: Sequence[Path], between: str = "/") -> list[str]:
     below = [path.absolute().relative_to(root) for path in paths]
     # From the end, because a folder may lie deeper than another.
     suffixes, *places = zip_longest(*(reversed((*path.parent.parts, path.stem, path.suffix[1:])) for path in below))
-    columns = [parts for parts in reversed(places) if len(set(parts)) > 1] or [stems]
+    columns = [parts for parts in reversed(places) if len(set(parts)) > 1] or [tuple(stems)]
     if len({*zip(*columns, strict=True)}) < len(set(below)):
         columns.append(suffixes)
     return [between.join(filter(None, parts)) or stem for *parts, stem in zip(*columns, stems, strict=True)]
