@@ -19,7 +19,6 @@ from caricli.data.dataset import read_dataset
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.methods.sketch.follow_lines import LineFollower
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
-from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
@@ -89,7 +88,7 @@ def main():
     parser.add_argument("--out", type=Path, required=True, help="JSON of the figures")
     options = parser.parse_args()
     model = load_model(kind=DEFAULT_LATENT)
-    reconstruction = SketchReconstruction(model, partial(model_coarse, encoder=elastic_encoder(model)))
+    reconstruction = SketchReconstruction.of(elastic_encoder(model))
     handles = reconstruction.handles
     dataset = read_dataset(options.data)
     rows = np.linspace(0, len(dataset.vertices) - 1, options.count).astype(int)

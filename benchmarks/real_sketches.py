@@ -23,7 +23,6 @@ from caricli.geometry.lines.trace_lines import trace_lines
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.parts.whole_head import whole_head
-from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.render.sheets.sketch_sheet import sketch_sheet
 from caricli.store.landmark_encoders import elastic_encoder
@@ -125,14 +124,13 @@ def reconstruction_of(options):
     model = load_model(options.model, DEFAULT_LATENT)
     encoder = elastic_encoder(model)
     if options.coarse == "network":
-        from caricli.methods.sketch.network_coarse import network_coarse
         from caricli.methods.sketch.see_sketch import see_sketch
         from caricli.store.sketch_networks import load_sketch_pair
 
         network, basis = load_sketch_pair(options.network)
         see = partial(see_sketch, network=network, basis=basis)
-        return SketchReconstruction(model, partial(network_coarse, see=see, encoder=encoder), "network")
-    return SketchReconstruction(model, partial(model_coarse, encoder=encoder))
+        return SketchReconstruction.of(encoder, see)
+    return SketchReconstruction.of(encoder)
 
 
 def main():

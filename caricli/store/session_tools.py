@@ -14,10 +14,8 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.session.operations import operate
 from caricli.methods.session.work import CANVAS_SIDE, Work
-from caricli.methods.sketch.network_coarse import network_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.see_sketch import see_sketch
-from caricli.methods.sketch.settings import COARSE
 from caricli.models.gesture.model import GestureModel
 from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel
@@ -63,7 +61,7 @@ class SessionTools:
     def reconstruction(self) -> SketchReconstruction:
         """Faces that follow lines."""
         see = partial(see_sketch, network=self.network, basis=self.basis)
-        return SketchReconstruction(self.model, partial(network_coarse, see=see, encoder=self.encoder), COARSE[0])
+        return SketchReconstruction.of(self.encoder, see)
 
     @cached_property
     def directions(self) -> Directions:

@@ -83,12 +83,10 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
             tools = replace(tools, expressions=dataset_expressions(data, tools.actions.names))
             unseen = unseen_data(data, tools.seen, everyone)
             caricatures = dataset_caricatures(unseen.data, count)
-        drawings = [
-            (name, load_caricature(path, tools)) for name, path in zip(distinct_names(faces), faces, strict=True)
-        ]
+        drawings = [load_caricature(path, tools) for path in faces]
         sheet = BlendshapeSheet(tools, SHOWN, SIZE)
         tally = _evaluate(caricatures, given, seed, sheet)
-        _add_drawings(sheet, drawings)
+        _add_drawings(sheet, distinct_names(faces), drawings)
         recipe = provenance("evaluate blendshapes", [dataset / "dataset.json", *faces], seed, given=given)
         write_json(folder / "blendshapes.json", recipe | unseen.figures | tally.summary)
         write_png(folder / "blendshapes.png", sheet.image)
@@ -111,9 +109,9 @@ def _evaluate(caricatures: list, given: str, seed: int, sheet: Any) -> Any:
     return tally
 
 
-def _add_drawings(sheet: Any, drawings: list) -> None:
-    """Add pairs of a name and a Caricature to a BlendshapeSheet."""
-    for name, caricature in drawings:
+def _add_drawings(sheet: Any, names: list[str], drawings: list) -> None:
+    """Add Caricatures to a BlendshapeSheet."""
+    for name, caricature in zip(names, drawings, strict=True):
         sheet.add_face(name, caricature.face, caricature.worn.load())
 
 

@@ -19,7 +19,6 @@ from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.parts.whole_head import mesh_face, whole_head
-from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.settings import COARSE
 from caricli.models.shape_model import ShapeModel
@@ -72,11 +71,10 @@ class SketchTask:
         """From sketches to faces. Raises InputError where a network was asked for that does not know the mesh."""
         model = load_model(self.model_path, DEFAULT_LATENT)
         encoder = elastic_encoder(model)
-        plain = SketchReconstruction(model, partial(model_coarse, encoder=encoder), COARSE[1])
+        plain = SketchReconstruction.of(encoder)
         if self.coarse == COARSE[1]:
             return plain
         # PyTorch takes a while to start.
-        from caricli.methods.sketch.network_coarse import network_coarse
         from caricli.methods.sketch.see_sketch import see_sketch
         from caricli.store.sketch_networks import load_sketch_networks
 
@@ -89,7 +87,7 @@ class SketchTask:
                 "the network: expected --model of the mesh whose faces it tells, found one of another mesh"
             )
         see = partial(see_sketch, network=network, basis=basis)
-        return SketchReconstruction(model, partial(network_coarse, see=see, encoder=encoder), COARSE[0])
+        return SketchReconstruction.of(encoder, see)
 
     @property
     def model(self) -> ShapeModel:

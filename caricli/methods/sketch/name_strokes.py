@@ -1,6 +1,6 @@
 """Which curve of a face every stroke of a sketch draws."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -9,14 +9,17 @@ from scipy.optimize import linear_sum_assignment
 
 from caricli.errors import InputError
 from caricli.methods.sketch.find_irises import find_irises
+from caricli.methods.sketch.find_outline import find_outline
 from caricli.methods.sketch.fit_lines import fit_lines, line_camera
 from caricli.methods.sketch.lay_over import faces_over
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
-from caricli.methods.sketch.settings import MIDDLE, PIECED, SELDOM, LineFitSettings, NamingSettings
+from caricli.methods.sketch.settings import BESIDE, MIDDLE, PIECED, SELDOM, LineFitSettings, NamingSettings
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
+from caricli.structures import Face
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from caricli.template.feature_curves import SILHOUETTE
 
 _MOST = 256
 """Strokes that are looked at, the longest."""
@@ -25,6 +28,8 @@ _SHORTEST = 0.01
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
+_TIE = 1.02
+"""Of the least cost: up to this a network's face does not count, which knows of no hair and no neck."""
 _SURELY = 0.9
 """Of the cost above which a stroke draws no curve: what one costs at most that is surely an eye."""
 _PIECES = 4
@@ -40,17 +45,20 @@ def name_strokes(
     handles: LineHandles,
     model: ShapeModel,
     settings: NamingSettings = NamingSettings(),  # noqa: B008 (frozen)
+    see: Callable[[Sketch], Face] | None = None,
 ) -> Sketch:
     """Find the curve of every stroke that does not name one.
 
     The curves of the mean face are laid over the sketch, once for every box that this may be of; strokes and curves are
     then assigned to each other for the least sum of costs (the Hungarian method), a stroke that is dear everywhere to
-    none; camera and latent of the model follow the strokes so named, and all again. The cost is the mean distance of
+    none; camera and latent of the model follow the strokes so named, and all again. The same begins with the face that
+    a network sees, and what costs less in the end stays. The cost is the mean distance of
     the stroke from the curve, and, counting less, of the curve from the stroke, and their difference in direction. Then
     strokes continue curves that others have drawn in part. Of a closed stroke that is both lids, or both lips, two are
     made. Names that are given stay; wrinkles without a name stay without, and irises and pupils become such.
 
-    sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings.
+    sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings. see:
+    gives a network's face of the same topology with its camera, as ``see_sketch`` does, or None.
     Returns the Sketch with names; strokes of no curve stay as they were.
     """
     nameless = _Nameless.of(_with_own_names(sketch, handles))
@@ -60,22 +68,12 @@ def name_strokes(
     laid = _laid_over(nameless, handles, mean)
     # One size for all, so that costs compare.
     unit = float(np.median([np.linalg.norm(np.ptp(own, axis=0)) for own in laid]))
-    namings = [_Naming(nameless, handles, own, unit, settings) for own in laid]
-    # One stroke that fits well is no reason to leave all others where a face has room for every one.
-    least = min(each.cost for each in namings)
-    best = min(namings, key=lambda each: (each.cost > _NEARLY * least, not each.complete, each.cost))
-    for _ in range(settings.rounds):
-        named = best.named()
-        try:
-            face = fit_lines(lines_by_curve(named), handles, model, _QUICK)
-        except InputError:
-            break
-        own = face.require_camera().project(face.vertices[handles.vertices])
-        again = _Naming(nameless, handles, own, unit, settings)
-        if again.cost > best.cost:
-            break
-        best = again
-    return best.named()
+    starts = [_likeliest([_Naming(nameless, handles, own, unit, settings) for own in laid])]
+    if see is not None:
+        starts.append(_Naming(nameless, handles, _own(see(nameless.sketch), handles), unit, settings))
+    settled = [start.settled(handles, model, unit) for start in starts]
+    least = min(each.cost for each in settled)
+    return next(each for each in settled if each.cost <= _TIE * least).named()
 
 
 def unsure_share(sketch: Sketch, named: Sketch, handles: LineHandles) -> float:
@@ -144,6 +142,18 @@ def _laid_over(nameless: _Nameless, handles: LineHandles, mean: np.ndarray) -> l
     return faces_over([stroke.points for stroke in nameless.strokes], handles, mean)
 
 
+def _own(face: Face, handles: LineHandles) -> np.ndarray:
+    """(H, 2) pixels of the handles of a face with a camera."""
+    return face.require_camera().project(face.vertices[handles.vertices])
+
+
+def _likeliest(namings: Sequence["_Naming"]) -> "_Naming":
+    """Of several the cheapest, or one that names all strokes for hardly more: that one stroke fits well is no reason to
+    leave all others where a face has room for every one."""
+    least = min(each.cost for each in namings)
+    return min(namings, key=lambda each: (each.cost > _NEARLY * least, not each.complete, each.cost))
+
+
 class _Naming:
     """What the strokes of a sketch draw of a face that lies somewhere. cost: sum over those that do not name it."""
 
@@ -151,6 +161,7 @@ class _Naming:
         self, nameless: _Nameless, handles: LineHandles, own: np.ndarray, unit: float, settings: NamingSettings
     ) -> None:
         """own: (H, 2) pixels of the handles. unit: pixels, diagonal of a face."""
+        self.nameless = nameless
         self.sketch = nameless.sketch
         self.settings = settings
         self.candidates = candidates_at(handles, own)
@@ -169,6 +180,21 @@ class _Naming:
         self.chosen: dict[int, Candidate] = {}
         self.cost = self._assign()
         self._continue([stroke.length for stroke in strokes])
+        self._find_outline()
+
+    def settled(self, handles: LineHandles, model: ShapeModel, unit: float) -> "_Naming":
+        """What strokes draw of a face of the model that follows the names, again and again, while that costs less."""
+        best = self
+        for _ in range(self.settings.rounds):
+            try:
+                face = fit_lines(lines_by_curve(best.named()), handles, model, _QUICK)
+            except InputError:
+                break
+            again = _Naming(self.nameless, handles, _own(face, handles), unit, self.settings)
+            if again.cost > best.cost:
+                break
+            best = again
+        return best
 
     def _keep_eyes(self, eyes: np.ndarray) -> None:
         """Let strokes (S,) bool that go around an iris draw an eye, the nearer one, however much larger they are."""
@@ -270,3 +296,16 @@ class _Naming:
             if costs[c] < self.settings.piece:
                 self.chosen[self.numbers[s]] = self.candidates[c]
                 drawn[c, self.costs.nearest[s, c]] = True
+
+    def _find_outline(self) -> None:
+        """Let a stroke that is left and goes around all features be the outline, where none is."""
+        c = next((c for c, each in enumerate(self.candidates) if each.names == (SILHOUETTE,)), None)
+        drawn = {name for each in self.chosen.values() for name in each.names}
+        if c is None or self.blocked[c] or SILHOUETTE in drawn:
+            return
+        points = {number: self.sketch.strokes[number].points for number in self.numbers}
+        inner = [points[k] for k, each in self.chosen.items() if not each.names[0].startswith(BESIDE)]
+        left = [number for number in self.numbers if number not in self.chosen]
+        number = find_outline([points[k] for k in left], inner)
+        if number is not None:
+            self.chosen[left[number]] = self.candidates[c]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,13 @@ from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.repair.untangle import untangle
 from caricli.limits import MAX_SKETCH_POINTS
 from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.faces.encode_landmarks import LandmarkEncoder
 from caricli.methods.sketch.fit_lines import Lines
 from caricli.methods.sketch.follow_lines import LineFollower
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
+from caricli.methods.sketch.model_coarse import model_coarse
 from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
+from caricli.methods.sketch.network_coarse import network_coarse
 from caricli.methods.sketch.settings import COARSE, FollowSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
@@ -127,14 +131,26 @@ class SketchReconstruction:
     model: ShapeModel. handles: LineHandles of its template. name: of COARSE, how a face begins.
     """
 
+    @classmethod
+    def of(cls, encoder: LandmarkEncoder, see: Callable[[Sketch], Face] | None = None) -> "SketchReconstruction":
+        """Faces of the model of a LandmarkEncoder that begin with what a network sees, or else with the model.
+
+        see: gives a network's face of the same topology with its camera, as ``see_sketch`` does, or None.
+        """
+        if see is None:
+            return cls(encoder.model, partial(model_coarse, encoder=encoder))
+        return cls(encoder.model, partial(network_coarse, see=see, encoder=encoder), COARSE[0], see=see)
+
     def __init__(
         self,
         model: ShapeModel,
         coarse: Coarse,
         name: str = COARSE[1],
         settings: FollowSettings = FollowSettings(),  # noqa: B008 (frozen)
+        see: Callable[[Sketch], Face] | None = None,
     ) -> None:
-        """coarse: gives the face that lines are followed from, in the topology of the model. name: of COARSE.
+        """coarse: gives the face that lines are followed from, in the topology of the model. name: of COARSE. see: what
+        strokes without names are told by, see ``name_strokes``.
 
         Raises InputError for a model whose annotation names no curves.
         """
@@ -142,6 +158,7 @@ class SketchReconstruction:
         self.handles = LineHandles(named_curves(model.template.annotation))
         self.follower = LineFollower(model.template, self.handles, settings)
         self.name = name
+        self._see = see
         self._coarse = coarse
         self._settings = settings
 
@@ -150,7 +167,7 @@ class SketchReconstruction:
 
         share: of the way from the likely face to the lines, 0 to 1. Raises InputError where nothing can be told.
         """
-        named = name_strokes(sketch, self.handles, self.model)
+        named = name_strokes(sketch, self.handles, self.model, see=self._see)
         fit = self._fit(sketch, named, share)
         for _ in range(_ROUNDS):
             curve = _contradicting(sketch, fit)

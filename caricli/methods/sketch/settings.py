@@ -8,6 +8,9 @@ COARSE = ("network", "model")
 SELDOM = ("eye_fold", "nose_tip", "nostril")
 """What the names of curves begin with that are drawn beside others, the lids and the wings of the nose, if at all."""
 
+BESIDE = "ear"
+"""What the names of curves begin with that lie beside the outline."""
+
 MIDDLE = ("mouth", "nose")
 """What the names of curves begin with that lie in the middle: of two strokes on either side none draws a whole one."""
 

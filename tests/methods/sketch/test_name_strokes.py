@@ -4,7 +4,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.vary_sketch import vary_sketch
+from caricli.structures import Camera, Face
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
 
@@ -46,6 +49,44 @@ def test_strokes_of_a_head_with_a_huge_jaw_find_their_curves(sketch, handles, mo
     ]
     named = name_strokes(Sketch(tuple(strokes), (256, 400)), handles, model)
     assert curves_of(named) == expected
+
+
+def test_what_a_network_sees_names_lines_of_an_unsteady_hand(handles, model):
+    """Lines of unusual people that a hand moved, bent and left out."""
+    right = []
+    for seed in range(4):
+        generator = np.random.default_rng(seed)
+        person = model.decode(model.prior.colour(1.5 * generator.normal(size=len(model.prior.mean))))
+        camera = canvas_camera(person, handles.curves)
+        drawn = vary_sketch(draw_sketch(person, handles.curves, camera), generator)
+        drawn = drawn.with_strokes(stroke for stroke in drawn.strokes if stroke.curve)
+        plain = drawn.with_strokes(map(nameless, drawn.strokes))
+        seen = Face(model.template.with_vertices(person), camera)
+        for see in (None, lambda sketch, seen=seen: seen):
+            named = curves_of(name_strokes(plain, handles, model, see=see))
+            right.append(np.mean([a == b for a, b in zip(named, curves_of(drawn), strict=True)]))
+    alone, told = np.mean(np.reshape(right, (-1, 2)), axis=0)
+    assert told > 0.8 and told > alone + 0.1
+
+
+def test_a_network_that_sees_another_face_harms_nothing(anonymous, handles, model, head_template):
+    camera = Camera(4.0, np.diag([1.0, -1, -1]), np.array([20.0, 400]))
+    elsewhere = Face(head_template.with_vertices(10 * head_template.vertices), camera)
+    named = name_strokes(anonymous, handles, model, see=lambda sketch: elsewhere)
+    assert curves_of(named) == curves_of(name_strokes(anonymous, handles, model))
+
+
+def test_a_jaw_that_no_face_has_is_the_outline(sketch, handles, model):
+    """Four times as long: none of the faces that are laid over it comes near."""
+    features = [
+        stroke for stroke in sketch.strokes if stroke.curve.startswith(("brow", "eye_upper", "nose", "mouth_u"))
+    ]
+    silhouette = next(stroke for stroke in sketch.strokes if stroke.curve == "silhouette")
+    jaw = silhouette.points[np.r_[49:66, 0:18]]
+    top = np.array([jaw[:, 0].mean(), jaw[:, 1].min()])
+    long = replace(nameless(silhouette), points=(jaw - top) * [1.2, 4] + top)
+    named = name_strokes(Sketch((*features, long), (400, 700)), handles, model)
+    assert curves_of(named)[-1] == "silhouette" and named.strokes[-1].kind == StrokeKind.SILHOUETTE
 
 
 @pytest.mark.parametrize(
