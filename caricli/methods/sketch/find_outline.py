@@ -9,7 +9,7 @@ _FEATURES = 3
 
 
 def find_outline(lines: Sequence[np.ndarray], features: Sequence[np.ndarray]) -> int | None:
-    """The smallest line that goes around all features, as a jaw does: as wide, below them, and up to half of them.
+    """The smallest line that goes around all features, as a jaw does: as wide, below them, and up to their middle.
 
     Jaws of caricatures may be far from any face's. lines: of (N, 2) pixels, y down. features: of (N, 2), what else of
     the face is drawn.
@@ -18,10 +18,11 @@ def find_outline(lines: Sequence[np.ndarray], features: Sequence[np.ndarray]) ->
     if len(features) < _FEATURES:
         return None
     inner = np.concatenate(features)
-    left, top, right, bottom = inner[:, 0].min(), np.median(inner[:, 1]), inner[:, 0].max(), inner[:, 1].max()
+    least, most = inner.min(0), inner.max(0)
+    middle = (least[1] + most[1]) / 2
     around = {}
     for number, line in enumerate(lines):
         low, high = line.min(0), line.max(0)
-        if low[0] <= left and high[0] >= right and low[1] <= top and high[1] >= bottom:
+        if low[0] <= least[0] and (high >= most).all() and low[1] <= middle:
             around[number] = float((high - low).sum())
     return min(around, key=lambda number: around[number], default=None)
