@@ -303,9 +303,11 @@ class _Naming:
         drawn = {name for each in self.chosen.values() for name in each.names}
         if c is None or self.blocked[c] or SILHOUETTE in drawn:
             return
-        points = {number: self.sketch.strokes[number].points for number in self.numbers}
-        inner = [points[k] for k, each in self.chosen.items() if not each.names[0].startswith(BESIDE)]
+        strokes = self.sketch.strokes
+        names = {number: stroke.curve for number, stroke in enumerate(strokes) if stroke.curve is not None}
+        names |= {number: each.names[0] for number, each in self.chosen.items()}
+        inner = [strokes[number].points for number, name in names.items() if not name.startswith(BESIDE)]
         left = [number for number in self.numbers if number not in self.chosen]
-        number = find_outline([points[k] for k in left], inner)
+        number = find_outline([strokes[number].points for number in left], inner)
         if number is not None:
             self.chosen[left[number]] = self.candidates[c]
