@@ -110,6 +110,8 @@ def write_obj(
         lines.append("vt %.9g %.9g\n" * len(mesh.uvs) % tuple(mesh.uvs.ravel().tolist()))
         corners = np.stack([corners, mesh.uv_polygons[used] + 1], axis=1).ravel()
         corner = " %d/%d"
+    # Without it Blender shades every polygon flat, and splits them all where it exports them again.
+    lines.append("s 1\n")
     forms = [f"f{corner * n}\n" for n in range(mesh.polygons.shape[1] + 1)]
     rows = [forms[n] for n in used.sum(1).tolist()]
     # Polygons that are not of the material of the one before.

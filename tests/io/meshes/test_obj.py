@@ -190,6 +190,12 @@ def test_what_has_no_picture_has_its_colour(tmp_path):
     assert [text.split()[0] for text in texts] == ["face", "tongue"] and "Kd 0.7765 0.4078 0.4078" in texts[1]
 
 
+def test_the_surface_is_smooth(tmp_path):
+    write_obj(tmp_path / "a.obj", square())
+    lines = (tmp_path / "a.obj").read_text().splitlines()
+    assert lines.index("s 1") < lines.index("f 1/1 2/2 3/3 4/4")
+
+
 def test_eyes_are_a_material_of_their_own(tmp_path):
     mesh = Mesh(np.eye(3), np.tile([[0, 1, 2]], (4, 1)), np.eye(3)[:, :2], np.tile([[0, 1, 2]], (4, 1)))
     materials = np.array([Material.SKIN, Material.EYE, Material.EYE, Material.SKIN])
