@@ -1,5 +1,6 @@
 """GLB and glTF files to rigs or meshes, ours or another program's; nothing in them is trusted."""
 
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -29,6 +30,7 @@ _TRIANGLES = 4
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
 _WEBP = "EXT_texture_webp"
 _SAME_PLACE = 1e-5
+_NUMBER = re.compile(r"\.\d{3}$")
 _PLACEMENT = {"matrix", "translation", "rotation", "scale"}
 
 
@@ -147,17 +149,33 @@ def _is_ours(primitives: list[dict]) -> bool:
 
 
 def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[dict]:
-    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has."""
+    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has.
+
+    Where another program left out where vertices come from, only what is all hair.
+    """
+    ours = _is_ours(primitives)
     number = next(k for k, other in enumerate(document.content["meshes"]) if other is mesh)
     nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
     children = take(next((node for node in nodes if node.get("mesh") == number), {}), "children", list, [])
     still: list[dict] = []
-    for child in children if _is_ours(primitives) else []:
+    for child in children:
         node = document.item({"node": child}, "node", "nodes")
         others = [] if "mesh" not in node else _primitives(document.item(node, "mesh", "meshes"))
-        if _is_ours(others) and not _PLACEMENT & set(node) and not any(other.get("targets") for other in others):
+        belongs = _is_ours(others) if ours else _is_hair(document, others)
+        if belongs and not _PLACEMENT & set(node) and not any(other.get("targets") for other in others):
             still += [other | {"targets": [{}] * len(primitives[0]["targets"])} for other in others]
     return still
+
+
+def _is_hair(document: Document, primitives: list[dict]) -> bool:
+    """Whether all is hair with a place in a picture."""
+    attributes = [take(primitive, "attributes", dict) for primitive in primitives]
+    kinds = {_kind(_material(document, primitive)) for primitive in primitives}
+    return kinds == {Material.HAIR} and all("TEXCOORD_0" in each for each in attributes)
+
+
+def _material(document: Document, primitive: dict) -> dict:
+    return document.item(primitive, "material", "materials") if "material" in primitive else {}
 
 
 def _primitives(mesh: object) -> list[dict]:
@@ -258,7 +276,7 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
     pictures: dict[str, np.ndarray] = {}
     painted: dict[str, dict] = {}
     for primitive in primitives:
-        material = document.item(primitive, "material", "materials") if "material" in primitive else {}
+        material = _material(document, primitive)
         kinds.append(_kind(material))
         name = PICTURED.get(kinds[-1])
         image = None if name is None or name in pictures else _image(document, material)
@@ -278,9 +296,9 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
 
 
 def _kind(material: dict) -> Material:
-    """The Material of a material of a file, skin where it is of another name."""
+    """The Material of a material of a file, skin where it is of another name; Blender calls the second ``eyes.001``."""
     name = material.get("name")
-    return MATERIALS.get(name, Material.SKIN) if isinstance(name, str) else Material.SKIN
+    return MATERIALS.get(_NUMBER.sub("", name), Material.SKIN) if isinstance(name, str) else Material.SKIN
 
 
 def _image(document: Document, material: dict) -> np.ndarray | None:
