@@ -326,6 +326,31 @@ def test_hair_that_another_program_moved_is_left_where_it_is_not_ours(full_rig, 
         read_gltf(tmp_path / "c.glb")
 
 
+def test_hair_comes_back_without_source_vertices_and_with_blenders_numbers(full_rig, tmp_path):
+    rig = haired(full_rig)
+    write_gltf(tmp_path / "a.glb", rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    for mesh in document["meshes"]:
+        for primitive in mesh["primitives"]:
+            del primitive["attributes"]["_SOURCE_VERTEX"]
+    for material in document["materials"]:
+        material["name"] += ".001"
+    put_together(tmp_path / "b.glb", document, binary)
+    back = read_gltf(tmp_path / "b.glb")
+    np.testing.assert_array_equal(back.neutral[back.faces], rig.neutral[rig.faces])
+    np.testing.assert_array_equal(back.triangle_materials, rig.triangle_materials)
+    assert back.pictures.same(rig.pictures) and back.names == rig.names
+    document["materials"][-1]["name"] = "glasses"
+    put_together(tmp_path / "c.glb", document, binary)
+    assert len(read_gltf(tmp_path / "c.glb").faces) == len(full_rig.faces)
+
+
+def test_pictures_have_names(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", changing(moody(haired(full_rig))))
+    names = [image["name"] for image in taken_apart(tmp_path / "a.glb")[0]["images"]]
+    assert names == ["skin", "eyes", "hair", "skin sad", "skin ü 微笑", "skin changes"]
+
+
 def test_what_moves_nothing_is_stored_once(full_rig, tmp_path):
     write_gltf(tmp_path / "a.glb", full_rig)
     gltf = pygltflib.GLTF2.load(tmp_path / "a.glb")
