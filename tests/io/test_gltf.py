@@ -345,6 +345,18 @@ def test_hair_comes_back_without_source_vertices_and_with_blenders_numbers(full_
     assert len(read_gltf(tmp_path / "c.glb").faces) == len(full_rig.faces)
 
 
+def test_a_head_goes_before_the_hair_below_it_that_was_written_first(full_rig, tmp_path):
+    rig = still(haired(full_rig))
+    write_gltf(tmp_path / "a.glb", rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["meshes"].reverse()
+    document["nodes"] = [{"name": "hair", "mesh": 0}, {"name": "head", "mesh": 1, "children": [0]}]
+    document["scenes"][0]["nodes"] = [1]
+    put_together(tmp_path / "b.glb", document, binary)
+    np.testing.assert_array_equal(read_gltf(tmp_path / "b.glb").faces, rig.faces)
+    np.testing.assert_array_equal(read_gltf_mesh(tmp_path / "b.glb").faces, rig.faces)
+
+
 def test_pictures_have_names(full_rig, tmp_path):
     write_gltf(tmp_path / "a.glb", changing(moody(haired(full_rig))))
     names = [image["name"] for image in taken_apart(tmp_path / "a.glb")[0]["images"]]

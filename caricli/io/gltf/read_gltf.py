@@ -126,9 +126,14 @@ def _refuse_other_files(document: Document) -> None:
 
 
 def _first_mesh(document: Document) -> tuple[dict, list[dict]]:
-    """The first mesh with targets, else the first one, and its primitives, all with the same number of targets."""
+    """The first mesh with targets, else the first one, and its primitives, all with the same number of targets.
+
+    Those of nodes below others come last: Blender writes them first.
+    """
     still = None
-    for mesh in take(document.content, "meshes", list, []):
+    meshes = list(enumerate(take(document.content, "meshes", list, [])))
+    below = _meshes_below(document)
+    for _, mesh in sorted(meshes, key=lambda entry: entry[0] in below):
         primitives = _primitives(mesh)
         if not any(primitive.get("targets") for primitive in primitives):
             if still is None and primitives:
@@ -141,6 +146,14 @@ def _first_mesh(document: Document) -> tuple[dict, list[dict]]:
     if still is None:
         raise InputError("expected a mesh, found none")
     return still
+
+
+def _meshes_below(document: Document) -> set[int]:
+    """Numbers of the meshes whose nodes are children of others."""
+    nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
+    children = [child for node in nodes for child in take(node, "children", list, [])]
+    below = [document.item({"node": child}, "node", "nodes").get("mesh") for child in children]
+    return {number for number in below if type(number) is int}
 
 
 def _is_ours(primitives: list[dict]) -> bool:
