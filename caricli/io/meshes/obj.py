@@ -136,7 +136,7 @@ def _write_materials(path: str | Path, mesh: Mesh, surfaces: Mapping[str, str | 
         if not (name and is_plain(name) and name.isprintable()):
             raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
     for material, own in surfaces.items():
-        finish = FINISHES[MATERIALS[material]] if own is None and material in MATERIALS else own
+        finish = FINISHES[MATERIALS.get(material, Material.SKIN)] if own is None else own
         colour = finish.colour if isinstance(finish, Finish) else (255, 255, 255)
         shares = " ".join(f"{value / 255:.4g}" for value in colour)
         texts.append(f"newmtl {material}\nKa 1 1 1\nKd {shares}\nKs 0 0 0\nillum 1\n")
