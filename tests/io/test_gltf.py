@@ -314,12 +314,19 @@ def test_hair_is_a_node_below_the_head_and_comes_back_with_it(full_rig, tmp_path
     assert [node.name for node in pygltflib.GLTF2.load(tmp_path / "b.glb").nodes] == ["head"]
 
 
-def test_hair_that_another_program_moved_is_left_where_it_is_not_ours(full_rig, tmp_path):
-    write_gltf(tmp_path / "a.glb", haired(full_rig))
+def test_hair_that_another_program_moved_is_where_it_was_moved(full_rig, tmp_path):
+    rig = haired(full_rig)
+    write_gltf(tmp_path / "a.glb", rig)
     document, binary = taken_apart(tmp_path / "a.glb")
-    document["nodes"][1]["translation"] = [0, 1, 0]
+    document["nodes"][0]["translation"] = [5, 5, 5]
+    document["nodes"][1] |= {"translation": [0, 1, 0], "rotation": [0, 1, 0, 0], "scale": [2, 2, 2]}
     put_together(tmp_path / "b.glb", document, binary)
-    assert len(read_gltf(tmp_path / "b.glb").neutral) == len(full_rig.neutral)
+    back = read_gltf(tmp_path / "b.glb")
+    hair = np.unique(rig.faces[rig.triangle_materials == Material.HAIR])
+    expected = rig.neutral.copy()
+    expected[hair] = rig.neutral[hair] * [-2, 2, -2] + [0, 1, 0]
+    np.testing.assert_allclose(back.neutral, expected, atol=1e-6)
+    np.testing.assert_array_equal(back.faces, rig.faces)
     document["nodes"][0]["children"] = [7]
     put_together(tmp_path / "c.glb", document, binary)
     with pytest.raises(InputError, match="expected the number of one of 2 nodes"):

@@ -15,7 +15,7 @@ from caricli.io.gltf.changes import changes_of
 from caricli.io.gltf.container import embedded, read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
-from caricli.io.gltf.scene import node_placements
+from caricli.io.gltf.scene import node_placements, node_transform
 from caricli.io.gltf.variants import moods_of
 from caricli.io.image import read_image
 from caricli.io.outputs import write_bytes
@@ -31,17 +31,16 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
 _WEBP = "EXT_texture_webp"
 _SAME_PLACE = 1e-5
 _NUMBER = re.compile(r"\.\d{3}$")
-_PLACEMENT = {"matrix", "translation", "rotation", "scale"}
 
 
 def read_gltf(path: str | Path) -> Rig:
     """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
 
     Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
-    them. Transforms of nodes are left aside: the neutral and its displacements stay in the mesh's own frame, as they
-    are stored. Of the materials the base colour's picture is read, where it is embedded; those named as ours say what
-    they are of. Variants of the skin's material, with pictures as large as its own, are moods; its changes are read.
-    Skins, animations and weights are left aside.
+    them, where these put them. Transforms of its own node and those above are left aside: the neutral and its
+    displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
+    where it is embedded; those named as ours say what they are of. Variants of the skin's material, with pictures as
+    large as its own, are moods; its changes are read. Skins, animations and weights are left aside.
     path: a GLB file, or a .gltf, without external files.
     Returns a Rig of triangles; polygons only beside UVs or materials.
     Raises InputError when it is malformed, compressed, has no mesh or is beyond the caps.
@@ -51,7 +50,7 @@ def read_gltf(path: str | Path) -> Rig:
         document = Document(content, buffers)
         _refuse_extensions(document)
         mesh, primitives = _first_mesh(document)
-        return _rig(document, mesh, [*primitives, *_below(document, mesh, primitives)])
+        return _rig(document, mesh, primitives)
 
 
 def read_gltf_mesh(path: str | Path) -> Mesh:
@@ -68,7 +67,7 @@ def read_gltf_mesh(path: str | Path) -> Mesh:
         _refuse_other_files(document)
         mesh, primitives = _first_mesh(document)
         if _is_ours(primitives) or primitives[0]["targets"]:
-            neutral = _rig(document, mesh, [*primitives, *_below(document, mesh, primitives)]).mesh
+            neutral = _rig(document, mesh, primitives).mesh
             return neutral.with_vertices(neutral.vertices.astype(np.float64))
         return _scene_mesh(document)
 
@@ -161,8 +160,9 @@ def _is_ours(primitives: list[dict]) -> bool:
     return all(SOURCE_VERTEX in take(primitive, "attributes", dict) for primitive in primitives)
 
 
-def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[dict]:
-    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has.
+def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[tuple[dict, np.ndarray]]:
+    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has, each
+    with the transform (4,4) of its node.
 
     Where another program left out where vertices come from, only what is all hair.
     """
@@ -170,13 +170,14 @@ def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[dict]
     number = next(k for k, other in enumerate(document.content["meshes"]) if other is mesh)
     nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
     children = take(next((node for node in nodes if node.get("mesh") == number), {}), "children", list, [])
-    still: list[dict] = []
+    still: list[tuple[dict, np.ndarray]] = []
     for child in children:
         node = document.item({"node": child}, "node", "nodes")
         others = [] if "mesh" not in node else _primitives(document.item(node, "mesh", "meshes"))
         belongs = _is_ours(others) if ours else _is_hair(document, others)
-        if belongs and not _PLACEMENT & set(node) and not any(other.get("targets") for other in others):
-            still += [other | {"targets": [{}] * len(primitives[0]["targets"])} for other in others]
+        if belongs and not any(other.get("targets") for other in others):
+            targets: dict = {"targets": [{}] * len(primitives[0]["targets"])}
+            still += [(other | targets, node_transform(node)) for other in others]
     return still
 
 
@@ -198,10 +199,16 @@ def _primitives(mesh: object) -> list[dict]:
     return primitives
 
 
-def _rig(document: Document, mesh: dict, primitives: list[dict]) -> Rig:
-    names = _target_names(mesh, len(primitives[0]["targets"]))
+def _rig(document: Document, mesh: dict, own: list[dict]) -> Rig:
+    names = _target_names(mesh, len(own[0]["targets"]))
+    below = _below(document, mesh, own)
+    primitives = [*own, *(primitive for primitive, _ in below)]
     surface = _surface(document, primitives, len(names))
     positions = surface.attribute(document, "POSITION", 3)
+    for part, (_, placement) in zip(surface.triangles[len(own) :], below, strict=True):
+        where = np.unique(part)
+        with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
+            positions[where] = positions[where] @ placement[:3, :3].T + placement[:3, 3]
     kept = np.arange(len(positions))
     place = kept
     if surface.has(SOURCE_VERTEX):
