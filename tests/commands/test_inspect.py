@@ -19,6 +19,7 @@ from caricli.store.models import load_model
 from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Sketch, Stroke, StrokeKind, Track
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.change_atlas import ChangeAtlas
+from caricli.structures.materials import Material
 from caricli.structures.parsing import Region
 from caricli.structures.pictures import Mood, Pictures
 from tests.acted_textures import write_acted_set
@@ -121,6 +122,13 @@ def test_animations(inspect, rig, shapes, tmp_path):
     assert "animation 'animation': 1.5 s, 31 frames" in lines
     assert report["animations"] == [{"name": "animation", "length": 1.5, "frames": 31}]
     assert report["kind"] == ("rig" if shapes else "mesh")
+
+
+def test_of_a_head_that_keeps_still_no_expression_is_missing(inspect, rig, tmp_path):
+    materials = np.full(len(rig.mesh.polygons), Material.EYE, np.int32)
+    write_gltf(tmp_path / "a.glb", replace(rig, names=(), deltas=rig.deltas[:0], materials=materials))
+    lines, _ = inspect(tmp_path / "a.glb")
+    assert "0 shapes" in lines[0] and not any("ARKit" in line or "missing" in line for line in lines)
 
 
 def test_names_that_are_not_arkits(inspect, ball, tmp_path):

@@ -314,16 +314,60 @@ def test_hair_is_a_node_below_the_head_and_comes_back_with_it(full_rig, tmp_path
     assert [node.name for node in pygltflib.GLTF2.load(tmp_path / "b.glb").nodes] == ["head"]
 
 
-def test_hair_that_another_program_moved_is_left_where_it_is_not_ours(full_rig, tmp_path):
-    write_gltf(tmp_path / "a.glb", haired(full_rig))
+def test_hair_that_another_program_moved_is_where_it_was_moved(full_rig, tmp_path):
+    rig = haired(full_rig)
+    write_gltf(tmp_path / "a.glb", rig)
     document, binary = taken_apart(tmp_path / "a.glb")
-    document["nodes"][1]["translation"] = [0, 1, 0]
+    document["nodes"][0]["translation"] = [5, 5, 5]
+    document["nodes"][1] |= {"translation": [0, 1, 0], "rotation": [0, 1, 0, 0], "scale": [2, 2, 2]}
     put_together(tmp_path / "b.glb", document, binary)
-    assert len(read_gltf(tmp_path / "b.glb").neutral) == len(full_rig.neutral)
+    back = read_gltf(tmp_path / "b.glb")
+    hair = np.unique(rig.faces[rig.triangle_materials == Material.HAIR])
+    expected = rig.neutral.copy()
+    expected[hair] = rig.neutral[hair] * [-2, 2, -2] + [0, 1, 0]
+    np.testing.assert_allclose(back.neutral, expected, atol=1e-6)
+    np.testing.assert_array_equal(back.faces, rig.faces)
     document["nodes"][0]["children"] = [7]
     put_together(tmp_path / "c.glb", document, binary)
     with pytest.raises(InputError, match="expected the number of one of 2 nodes"):
         read_gltf(tmp_path / "c.glb")
+
+
+def test_hair_comes_back_without_source_vertices_and_with_blenders_numbers(full_rig, tmp_path):
+    rig = haired(full_rig)
+    write_gltf(tmp_path / "a.glb", rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    for mesh in document["meshes"]:
+        for primitive in mesh["primitives"]:
+            del primitive["attributes"]["_SOURCE_VERTEX"]
+    for material in document["materials"]:
+        material["name"] += ".001"
+    put_together(tmp_path / "b.glb", document, binary)
+    back = read_gltf(tmp_path / "b.glb")
+    np.testing.assert_array_equal(back.neutral[back.faces], rig.neutral[rig.faces])
+    np.testing.assert_array_equal(back.triangle_materials, rig.triangle_materials)
+    assert back.pictures.same(rig.pictures) and back.names == rig.names
+    document["materials"][-1]["name"] = "glasses"
+    put_together(tmp_path / "c.glb", document, binary)
+    assert len(read_gltf(tmp_path / "c.glb").faces) == len(full_rig.faces)
+
+
+def test_a_head_goes_before_the_hair_below_it_that_was_written_first(full_rig, tmp_path):
+    rig = still(haired(full_rig))
+    write_gltf(tmp_path / "a.glb", rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["meshes"].reverse()
+    document["nodes"] = [{"name": "hair", "mesh": 0}, {"name": "head", "mesh": 1, "children": [0]}]
+    document["scenes"][0]["nodes"] = [1]
+    put_together(tmp_path / "b.glb", document, binary)
+    np.testing.assert_array_equal(read_gltf(tmp_path / "b.glb").faces, rig.faces)
+    np.testing.assert_array_equal(read_gltf_mesh(tmp_path / "b.glb").faces, rig.faces)
+
+
+def test_pictures_have_names(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", changing(moody(haired(full_rig))))
+    names = [image["name"] for image in taken_apart(tmp_path / "a.glb")[0]["images"]]
+    assert names == ["skin", "eyes", "hair", "skin sad", "skin ü 微笑", "skin changes"]
 
 
 def test_what_moves_nothing_is_stored_once(full_rig, tmp_path):

@@ -30,7 +30,8 @@ def add_changes(document: dict, skin: dict, changes: ChangeAtlas, view: Callable
     document["textures"].append({"sampler": len(document["samplers"]), "source": len(document["images"])})
     # Levels of detail would mix neighbouring tiles.
     document["samplers"].append({"magFilter": _LINEAR, "minFilter": _LINEAR, "wrapS": _CLAMP, "wrapT": _CLAMP})
-    document["images"].append({"mimeType": "image/png", "bufferView": view(png_bytes(changes.picture))})
+    image = {"name": f"{skin['name']} changes", "mimeType": "image/png", "bufferView": view(png_bytes(changes.picture))}
+    document["images"].append(image)
 
 
 def changes_of(

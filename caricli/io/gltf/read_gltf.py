@@ -1,5 +1,6 @@
 """GLB and glTF files to rigs or meshes, ours or another program's; nothing in them is trusted."""
 
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -14,7 +15,7 @@ from caricli.io.gltf.changes import changes_of
 from caricli.io.gltf.container import embedded, read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
-from caricli.io.gltf.scene import node_placements
+from caricli.io.gltf.scene import node_placements, node_transform
 from caricli.io.gltf.variants import moods_of
 from caricli.io.image import read_image
 from caricli.io.outputs import write_bytes
@@ -29,17 +30,17 @@ _TRIANGLES = 4
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
 _WEBP = "EXT_texture_webp"
 _SAME_PLACE = 1e-5
-_PLACEMENT = {"matrix", "translation", "rotation", "scale"}
+_NUMBER = re.compile(r"\.\d{3}$")
 
 
 def read_gltf(path: str | Path) -> Rig:
     """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
 
     Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
-    them. Transforms of nodes are left aside: the neutral and its displacements stay in the mesh's own frame, as they
-    are stored. Of the materials the base colour's picture is read, where it is embedded; those named as ours say what
-    they are of. Variants of the skin's material, with pictures as large as its own, are moods; its changes are read.
-    Skins, animations and weights are left aside.
+    them, where these put them. Transforms of its own node and those above are left aside: the neutral and its
+    displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
+    where it is embedded; those named as ours say what they are of. Variants of the skin's material, with pictures as
+    large as its own, are moods; its changes are read. Skins, animations and weights are left aside.
     path: a GLB file, or a .gltf, without external files.
     Returns a Rig of triangles; polygons only beside UVs or materials.
     Raises InputError when it is malformed, compressed, has no mesh or is beyond the caps.
@@ -49,7 +50,7 @@ def read_gltf(path: str | Path) -> Rig:
         document = Document(content, buffers)
         _refuse_extensions(document)
         mesh, primitives = _first_mesh(document)
-        return _rig(document, mesh, [*primitives, *_below(document, mesh, primitives)])
+        return _rig(document, mesh, primitives)
 
 
 def read_gltf_mesh(path: str | Path) -> Mesh:
@@ -66,7 +67,7 @@ def read_gltf_mesh(path: str | Path) -> Mesh:
         _refuse_other_files(document)
         mesh, primitives = _first_mesh(document)
         if _is_ours(primitives) or primitives[0]["targets"]:
-            neutral = _rig(document, mesh, [*primitives, *_below(document, mesh, primitives)]).mesh
+            neutral = _rig(document, mesh, primitives).mesh
             return neutral.with_vertices(neutral.vertices.astype(np.float64))
         return _scene_mesh(document)
 
@@ -124,9 +125,14 @@ def _refuse_other_files(document: Document) -> None:
 
 
 def _first_mesh(document: Document) -> tuple[dict, list[dict]]:
-    """The first mesh with targets, else the first one, and its primitives, all with the same number of targets."""
+    """The first mesh with targets, else the first one, and its primitives, all with the same number of targets.
+
+    Those of nodes below others come last: Blender writes them first.
+    """
     still = None
-    for mesh in take(document.content, "meshes", list, []):
+    meshes = list(enumerate(take(document.content, "meshes", list, [])))
+    below = _meshes_below(document)
+    for _, mesh in sorted(meshes, key=lambda entry: entry[0] in below):
         primitives = _primitives(mesh)
         if not any(primitive.get("targets") for primitive in primitives):
             if still is None and primitives:
@@ -141,23 +147,49 @@ def _first_mesh(document: Document) -> tuple[dict, list[dict]]:
     return still
 
 
+def _meshes_below(document: Document) -> set[int]:
+    """Numbers of the meshes whose nodes are children of others."""
+    nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
+    children = [child for node in nodes for child in take(node, "children", list, [])]
+    below = [document.item({"node": child}, "node", "nodes").get("mesh") for child in children]
+    return {number for number in below if type(number) is int}
+
+
 def _is_ours(primitives: list[dict]) -> bool:
     """Whether all vertices say where they come from."""
     return all(SOURCE_VERTEX in take(primitive, "attributes", dict) for primitive in primitives)
 
 
-def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[dict]:
-    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has."""
+def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[tuple[dict, np.ndarray]]:
+    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has, each
+    with the transform (4,4) of its node.
+
+    Where another program left out where vertices come from, only what is all hair.
+    """
+    ours = _is_ours(primitives)
     number = next(k for k, other in enumerate(document.content["meshes"]) if other is mesh)
     nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
     children = take(next((node for node in nodes if node.get("mesh") == number), {}), "children", list, [])
-    still: list[dict] = []
-    for child in children if _is_ours(primitives) else []:
+    still: list[tuple[dict, np.ndarray]] = []
+    for child in children:
         node = document.item({"node": child}, "node", "nodes")
         others = [] if "mesh" not in node else _primitives(document.item(node, "mesh", "meshes"))
-        if _is_ours(others) and not _PLACEMENT & set(node) and not any(other.get("targets") for other in others):
-            still += [other | {"targets": [{}] * len(primitives[0]["targets"])} for other in others]
+        belongs = _is_ours(others) if ours else _is_hair(document, others)
+        if belongs and not any(other.get("targets") for other in others):
+            targets: dict = {"targets": [{}] * len(primitives[0]["targets"])}
+            still += [(other | targets, node_transform(node)) for other in others]
     return still
+
+
+def _is_hair(document: Document, primitives: list[dict]) -> bool:
+    """Whether all is hair with a place in a picture."""
+    attributes = [take(primitive, "attributes", dict) for primitive in primitives]
+    kinds = {_kind(_material(document, primitive)) for primitive in primitives}
+    return kinds == {Material.HAIR} and all("TEXCOORD_0" in each for each in attributes)
+
+
+def _material(document: Document, primitive: dict) -> dict:
+    return document.item(primitive, "material", "materials") if "material" in primitive else {}
 
 
 def _primitives(mesh: object) -> list[dict]:
@@ -167,10 +199,16 @@ def _primitives(mesh: object) -> list[dict]:
     return primitives
 
 
-def _rig(document: Document, mesh: dict, primitives: list[dict]) -> Rig:
-    names = _target_names(mesh, len(primitives[0]["targets"]))
+def _rig(document: Document, mesh: dict, own: list[dict]) -> Rig:
+    names = _target_names(mesh, len(own[0]["targets"]))
+    below = _below(document, mesh, own)
+    primitives = [*own, *(primitive for primitive, _ in below)]
     surface = _surface(document, primitives, len(names))
     positions = surface.attribute(document, "POSITION", 3)
+    for part, (_, placement) in zip(surface.triangles[len(own) :], below, strict=True):
+        where = np.unique(part)
+        with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
+            positions[where] = positions[where] @ placement[:3, :3].T + placement[:3, 3]
     kept = np.arange(len(positions))
     place = kept
     if surface.has(SOURCE_VERTEX):
@@ -258,7 +296,7 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
     pictures: dict[str, np.ndarray] = {}
     painted: dict[str, dict] = {}
     for primitive in primitives:
-        material = document.item(primitive, "material", "materials") if "material" in primitive else {}
+        material = _material(document, primitive)
         kinds.append(_kind(material))
         name = PICTURED.get(kinds[-1])
         image = None if name is None or name in pictures else _image(document, material)
@@ -278,9 +316,9 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
 
 
 def _kind(material: dict) -> Material:
-    """The Material of a material of a file, skin where it is of another name."""
+    """The Material of a material of a file, skin where it is of another name; Blender calls the second ``eyes.001``."""
     name = material.get("name")
-    return MATERIALS.get(name, Material.SKIN) if isinstance(name, str) else Material.SKIN
+    return MATERIALS.get(_NUMBER.sub("", name), Material.SKIN) if isinstance(name, str) else Material.SKIN
 
 
 def _image(document: Document, material: dict) -> np.ndarray | None:

@@ -31,15 +31,15 @@ def node_placements(document: Document) -> Iterator[tuple[dict, np.ndarray]]:
             raise InputError(f"nodes: expected a tree of at most {_MAX_NODES} nodes, found another")
         visited.add(number)
         with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
-            placement = above @ _transform(node)
+            placement = above @ node_transform(node)
         if "mesh" in node:
             # The specification has skinned meshes ignore where their node is.
             yield document.item(node, "mesh", "meshes"), np.eye(4) if "skin" in node else placement
         waiting += [(child, placement) for child in reversed(take(node, "children", list, []))]
 
 
-def _transform(node: dict) -> np.ndarray:
-    """The transform (4,4) of a node, from its matrix or its translation, rotation and scale."""
+def node_transform(node: dict) -> np.ndarray:
+    """The transform (4,4) of a node, from its matrix or its translation, rotation and scale. Raises InputError."""
     if "matrix" in node:
         return _numbers(node, "matrix", 16).reshape(4, 4).T
     transform = np.eye(4)

@@ -26,9 +26,10 @@ def add_variants(document: dict, skin: dict, moods: tuple[Mood, ...], view: Call
     for number, mood in enumerate(moods):
         mappings.append({"material": len(document["materials"]), "variants": [number]})
         shading = usual["pbrMetallicRoughness"] | {"baseColorTexture": {"index": len(document["textures"])}}
-        document["materials"].append(usual | {"name": f"{usual['name']} {mood.name}", "pbrMetallicRoughness": shading})
+        name = f"{usual['name']} {mood.name}"
+        document["materials"].append(usual | {"name": name, "pbrMetallicRoughness": shading})
         document["textures"].append({"sampler": 0, "source": len(document["images"])})
-        document["images"].append({"mimeType": "image/png", "bufferView": view(png_bytes(mood.skin))})
+        document["images"].append({"name": name, "mimeType": "image/png", "bufferView": view(png_bytes(mood.skin))})
     skin["extensions"] = {EXTENSION: {"mappings": mappings}}
     document.setdefault("extensionsUsed", []).append(EXTENSION)
     document["extensions"] = {EXTENSION: {"variants": [{"name": mood.name} for mood in moods]}}

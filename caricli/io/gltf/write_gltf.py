@@ -231,7 +231,7 @@ def _materials(rig: Rig, buffer: _Buffer) -> dict[str, list[dict]]:
             surface["baseColorFactor"] = [*finish.linear, 1]
         else:
             surface["baseColorTexture"] = {"index": len(images)}
-            images.append({"mimeType": "image/png", "bufferView": buffer.view(png_bytes(image))})
+            images.append({"name": finish.name, "mimeType": "image/png", "bufferView": buffer.view(png_bytes(image))})
         # A shell of hair has an inside, which is seen from below.
         sides = {"doubleSided": True} if material == Material.HAIR else {}
         materials.append({"name": finish.name, "pbrMetallicRoughness": surface, **sides})

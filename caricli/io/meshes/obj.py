@@ -110,6 +110,8 @@ def write_obj(
         lines.append("vt %.9g %.9g\n" * len(mesh.uvs) % tuple(mesh.uvs.ravel().tolist()))
         corners = np.stack([corners, mesh.uv_polygons[used] + 1], axis=1).ravel()
         corner = " %d/%d"
+    # Without it Blender shades every polygon flat, and splits them all where it exports them again.
+    lines.append("s 1\n")
     forms = [f"f{corner * n}\n" for n in range(mesh.polygons.shape[1] + 1)]
     rows = [forms[n] for n in used.sum(1).tolist()]
     # Polygons that are not of the material of the one before.
@@ -134,7 +136,7 @@ def _write_materials(path: str | Path, mesh: Mesh, surfaces: Mapping[str, str | 
         if not (name and is_plain(name) and name.isprintable()):
             raise OutputError(f"{shown(path)}: expected a plain file name for the material, found {shown(name)!r}")
     for material, own in surfaces.items():
-        finish = FINISHES[MATERIALS[material]] if own is None and material in MATERIALS else own
+        finish = FINISHES[MATERIALS.get(material, Material.SKIN)] if own is None else own
         colour = finish.colour if isinstance(finish, Finish) else (255, 255, 255)
         shares = " ".join(f"{value / 255:.4g}" for value in colour)
         texts.append(f"newmtl {material}\nKa 1 1 1\nKd {shares}\nKs 0 0 0\nillum 1\n")

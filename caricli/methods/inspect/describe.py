@@ -106,7 +106,7 @@ def _(value: Rig, around: Acquaintances) -> Inspection:
         "arkit": {key: getattr(check, key) for key in ("exact", "near", "unknown", "missing")},
     }
     summary = f"{words.counts}, {len(value.names)} shapes, {words.height}"
-    lines = [*words.lines, *lines, *_rig_lines(check)]
+    lines = [*words.lines, *lines, *(_rig_lines(check) if value.names else ())]
     return Inspection("rig", summary, tuple(lines), values | words.values, tuple(words.check.problems))
 
 
@@ -137,9 +137,8 @@ def _rig_lines(check: RigCheck) -> list[str]:
         lines.append(f"{name}: {whole}")
     lines += [f"{name}: no ARKit name" for name in check.unknown]
     lines += [f"missing: {', '.join(check.missing)}"] if check.missing else []
-    width = max((len(shape.name) for shape in check.shapes), default=0)
-    if check.shapes:
-        lines.append(f"{'shape':{width}}  largest mm   moved  flipped %")
+    width = max(len(shape.name) for shape in check.shapes)
+    lines.append(f"{'shape':{width}}  largest mm   moved  flipped %")
     for shape in check.shapes:
         flipped = "     -" if shape.flipped is None else f"{100 * shape.flipped:6.3f}"
         lines.append(f"{shape.name:{width}}  {1000 * shape.largest:10.2f}  {shape.moved:6}     {flipped}")

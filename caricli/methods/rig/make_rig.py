@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from caricli.methods.hair.sink_rim import sink_rim
 from caricli.methods.parts.close_neck import with_neck
 from caricli.methods.parts.face_parts import face_parts, let_tongue_out
 from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
@@ -97,6 +98,7 @@ def make_rig(
     rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(worn, eyes=None))
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
     hair = None if given is None else given.with_vertices(mesh.vertices).hair
+    hair = None if hair is None else sink_rim(hair, mesh, deltas)
     laugh = None if given is None or np.array_equal(given.vertices, mesh.vertices) else given.vertices
     teeth = None if given is None else given.teeth
     dress = partial(face_parts, template=templates.mesh, choice=settings.head, given=laugh)

@@ -187,7 +187,14 @@ def test_what_has_no_picture_has_its_colour(tmp_path):
     rows = [line for line in (tmp_path / "a.obj").read_text().splitlines() if line[0] in "uf"]
     assert rows == ["usemtl face", "f 1 2 3", "usemtl tongue", "f 1 3 4"]
     texts = (tmp_path / "a.mtl").read_text().split("newmtl ")[1:]
-    assert [text.split()[0] for text in texts] == ["face", "tongue"] and "Kd 0.7765 0.4078 0.4078" in texts[1]
+    assert [text.split()[0] for text in texts] == ["face", "tongue"]
+    assert "Kd 0.8078 0.6275 0.5333" in texts[0] and "Kd 0.7765 0.4078 0.4078" in texts[1]
+
+
+def test_the_surface_is_smooth(tmp_path):
+    write_obj(tmp_path / "a.obj", square())
+    lines = (tmp_path / "a.obj").read_text().splitlines()
+    assert lines.index("s 1") < lines.index("f 1/1 2/2 3/3 4/4")
 
 
 def test_eyes_are_a_material_of_their_own(tmp_path):

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError, NumericsError
+from caricli.io.gltf.write_gltf import shading_normals
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.make_rig import RigSettings, make_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
-from caricli.structures import Face, Hair, HeadChoice, Material, Mesh, Pictures
+from caricli.structures import Face, Hair, HeadChoice, Material, Mesh, Pictures, Rig
 from caricli.structures.head_choice import BARE
 from caricli.structures.mesh import triangle_fans
 
@@ -48,6 +49,20 @@ def test_a_rig_is_expressions_eyes_and_picture(templates, face, deltas):
     assert moving[1, 4200 : 4200 + BALL].any() and not moving[:, 4200 + BALL :].any()
     assert measures.lid_gap["left"] < 0.02 and measures.lip_gap < 0.1 and measures.inside < 0
     assert set(measures.lid_gap) == {"left"} and measures.flipped.max() < 0.002
+
+
+def test_hair_under_the_skin_is_deeper_where_a_jaw_would_uncover_it(templates, face, deltas, cap):
+    normals = shading_normals(Rig((), face, np.zeros((0, 4200, 3))))[0]
+    opened = deltas[templates.names.index("jawOpen")]
+    chin = np.argmin((opened * normals).sum(1))
+    points = cap.shell.vertices.copy()
+    points[-1] = face.vertices[chin] - 0.001 * normals[chin]
+    hair = replace(cap, shell=cap.shell.with_vertices(points))
+    rig = make_rig(
+        face, templates, RigSettings(head=HeadChoice(("skin", "hair"))), deltas=deltas, given=Face(face, hair=hair)
+    ).rig
+    depth = (face.vertices[chin] - rig.neutral[-1]) @ normals[chin]
+    assert depth == pytest.approx(0.006, abs=0.0005)
 
 
 def test_a_whole_head_has_teeth_tongue_lashes_and_the_hair_of_the_face(templates, face, deltas, cap):
