@@ -10,7 +10,7 @@ from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.move_skull import sink_skull
 from caricli.methods.hair.paint_hair import paint_hair
-from caricli.methods.hair.parsed_hair import parsed_hair
+from caricli.methods.hair.parsed_hair import on_head, parsed_hair
 from caricli.methods.hair.settings import MaskSettings
 from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.another_colour import lab_colours
@@ -20,6 +20,7 @@ from caricli.methods.texture.settings import PaintSettings
 from caricli.render.pixels.distance_to import distance_to
 from caricli.render.pixels.smaller_mask import smaller_mask
 from caricli.structures import Camera, Face, Hair
+from caricli.structures.parsing import Region
 from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
@@ -61,18 +62,18 @@ def dress_hair(
 ) -> DressedHair | None:
     """Put the hair of a picture on a head.
 
-    face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
-    PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
-    does not name ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell
-    hair by its colours, which also do where these contradict the regions. Where most of what is labelled hair is beside
-    the head, it is hair if it has an edge and a shell is like it. pixels: (H, W) bool, those that the face's mesh
-    covers, or None to find them.
+    face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings: PaintSettings;
+    their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template does not name
+    ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell hair by its
+    colours, which also do where these contradict the regions, but for what is labelled neck or cloth. Where most of
+    what is labelled hair is beside the head, it is hair if it has an edge and a shell is like it. pixels: (H, W) bool,
+    those that the face's mesh covers, or None to find them.
     Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
     """
     if not _wants_hair(template, settings):
         return None
+    pixels = mesh_pixels(face, image) if pixels is None else pixels
     if regions is not None:
-        pixels = mesh_pixels(face, image) if pixels is None else pixels
         mask = parsed_hair(face, regions, pixels, image)
         if mask is not None:
             return _put_on(face, template, mask, settings)
@@ -82,7 +83,8 @@ def dress_hair(
             dressed = _put_on(face, template, mask, replace(settings, hair="auto"))
             if dressed is not None and dressed.overlap >= _LIKE:
                 return dressed
-    dressed = _put_on(face, template, mask_hair(face, template, image), settings)
+    mask = mask_hair(face, template, image)
+    dressed = _put_on(face, template, mask if regions is None else _as_labelled(mask, regions, pixels), settings)
     if dressed is not None and settings.hair == "auto" and dressed.overlap < _LIKE:
         return None
     return dressed
@@ -111,6 +113,15 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
     sight = Sight(dressed.face.require_camera(), image, dressed.mask.pixels)
     view = PictureView(dressed.hair.shell, sight, settings.texture)
     return paint_hair(dressed.hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
+
+
+def _as_labelled(mask: HairMask, regions: np.ndarray, pixels: np.ndarray) -> HairMask:
+    """What of a mask by colours is labelled neither neck nor cloth, in regions (H, W), and hangs on a head (H, W) bool.
+
+    Hoods go over into collars and shoulders; white hair may well be labelled skin.
+    """
+    own = on_head(mask.pixels & ~np.isin(regions, (Region.NECK, Region.CLOTH)), pixels)
+    return replace(mask, pixels=own, behind=mask.behind | (regions == Region.CLOTH))
 
 
 def _stands_out(face: Face, mask: HairMask, image: np.ndarray) -> bool:

@@ -124,6 +124,22 @@ def test_hair_that_is_mostly_beside_the_head_is_hair_where_a_shell_is_like_it(si
         assert dressed.overlap > 0.8 and (dressed.mask.pixels != hair).mean() < 0.01
 
 
+def test_a_hood_that_goes_over_into_a_collar_and_shoulders_ends_with_them(sitter, monkeypatch):
+    """Colours take all of it for hair; labels tell what is cloth. What they take for skin above stays hair."""
+    rows, columns = np.indices((SIDE, SIDE))
+    x, y = sitter.face.landmarks[8]
+    shoulders = (rows > y) & (np.abs(columns - x) < 0.5 * SIDE) & ~sitter.hair.pixels
+    hood = HairMask(sitter.hair.pixels | shoulders, sitter.hair.behind & ~shoulders, 0.1, True)
+    monkeypatch.setattr("caricli.methods.hair.dress_hair.mask_hair", lambda *_: hood)
+    bare = ~sitter.hair.behind
+    hat = sitter.hair.pixels & (columns < x)
+    regions = np.select([shoulders, hat, bare], [Region.CLOTH, Region.HAT, Region.SKIN], Region.BACKGROUND)
+    image = np.where(hood.pixels[..., None], BROWN, sitter.image).astype(np.uint8)
+    dressed = dress_hair(sitter.face, sitter.head, image, SMALL, regions)
+    assert not (dressed.mask.pixels & shoulders).any() and dressed.overlap > 0.88
+    assert (dressed.mask.pixels == sitter.hair.pixels)[rows < y].mean() > 0.99
+
+
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     shown = ~sitter.hair.behind
     bare = bare_skin(ParsedHead(shown, shown), dressed, sitter.image)
