@@ -28,6 +28,7 @@ _NEEDED = (*EARS, "scalp")
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
 _LIKE = 2 / 3  # overlap of a shell with what colours, or labels far from the head, take for hair; with less it is none
 _FAR = MaskSettings(over=0.0)  # how hair is told, however little of it is before the head
+_TORN = 0.5  # of a labelled hat: colours that take less than that of it tear it
 _MEET = 0.05  # of the face's height: so near to each other hair and what is behind it meet
 _UNLIKE = 12.0  # in CIELAB, between the mean colours there: what is no farther from it than this goes on as a wall
 _PIXELS = 750  # height of the head in the picture that a shell is made by at most; its quads are four of them
@@ -118,10 +119,13 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
 def _as_labelled(mask: HairMask, regions: np.ndarray, pixels: np.ndarray) -> HairMask:
     """What of a mask by colours is labelled neither neck nor cloth, in regions (H, W), and hangs on a head (H, W) bool.
 
-    Hoods go over into collars and shoulders; white hair may well be labelled skin.
+    Hoods go over into collars and shoulders; white hair may well be labelled skin. It is not trusted where most of it
+    is of hat and hair, and little of the hat, and of both, is in it: then it is shreds of a hat.
     """
     own = on_head(mask.pixels & ~np.isin(regions, (Region.NECK, Region.CLOTH)), pixels)
-    return replace(mask, pixels=own, behind=mask.behind | (regions == Region.CLOTH))
+    hat, worn = (on_head(np.isin(regions, parts), pixels) for parts in ((Region.HAT,), (Region.HAT, Region.HAIR)))
+    torn = (own & worn).sum() > own.sum() / 2 and all((own & part).sum() < _TORN * part.sum() for part in (hat, worn))
+    return replace(mask, pixels=own, behind=mask.behind | (regions == Region.CLOTH), trusted=mask.trusted and not torn)
 
 
 def _stands_out(face: Face, mask: HairMask, image: np.ndarray) -> bool:

@@ -140,6 +140,24 @@ def test_a_hood_that_goes_over_into_a_collar_and_shoulders_ends_with_them(sitter
     assert (dressed.mask.pixels == sitter.hair.pixels)[rows < y].mean() > 0.99
 
 
+@pytest.mark.parametrize("shown", ["a hat", "shreds of a hat", "hair that ends in a hat"])
+def test_shreds_of_a_hat_are_no_hair(sitter, monkeypatch, shown):
+    """Colours take all of it, or what is on one side; of what is labelled skin they know more."""
+    rows, columns = np.indices((SIDE, SIDE))
+    hair = sitter.hair.pixels
+    part = hair & (columns > sitter.face.landmarks[24, 0]) if shown == "shreds of a hat" else hair
+    mask = HairMask(part, sitter.hair.behind, 0.1, True)
+    monkeypatch.setattr("caricli.methods.hair.dress_hair.mask_hair", lambda *_: mask)
+    hat = hair
+    if shown == "hair that ends in a hat":
+        top = np.flatnonzero(hair.any(1))[0]
+        hat = (rows < top + 8) | ((rows < top + 40) & (np.abs(columns - sitter.face.landmarks[27, 0]) < 6))
+        assert (hat & hair).sum() < 0.2 * min(hat.sum(), hair.sum())
+    regions = np.select([hat, ~sitter.hair.behind], [Region.HAT, Region.SKIN], Region.BACKGROUND)
+    dressed = dress_hair(sitter.face, sitter.head, sitter.image, SMALL, regions)
+    assert (dressed is None) == (shown == "shreds of a hat")
+
+
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     shown = ~sitter.hair.behind
     bare = bare_skin(ParsedHead(shown, shown), dressed, sitter.image)
