@@ -20,7 +20,7 @@ from caricli.methods.texture.settings import PaintSettings
 from caricli.render.pixels.distance_to import distance_to
 from caricli.render.pixels.smaller_mask import smaller_mask
 from caricli.structures import Camera, Face, Hair
-from caricli.structures.parsing import Region
+from caricli.structures.parsing import HEAD_REGIONS, Region
 from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
@@ -119,12 +119,15 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
 def _as_labelled(mask: HairMask, regions: np.ndarray, pixels: np.ndarray) -> HairMask:
     """What of a mask by colours is labelled neither neck nor cloth, in regions (H, W), and hangs on a head (H, W) bool.
 
-    Hoods go over into collars and shoulders; white hair may well be labelled skin. It is not trusted where most of it
-    is of hat and hair, and little of the hat, and of both, is in it: then it is shreds of a hat.
+    Hoods go over into collars and shoulders. White hair may well be labelled skin, but not where most of the mask is of
+    hat and hair: then skin is none of it, and where little of the hat, and of both, is in it, it is shreds of a hat and
+    not trusted.
     """
-    own = on_head(mask.pixels & ~np.isin(regions, (Region.NECK, Region.CLOTH)), pixels)
     hat, worn = (on_head(np.isin(regions, parts), pixels) for parts in ((Region.HAT,), (Region.HAT, Region.HAIR)))
-    torn = (own & worn).sum() > own.sum() / 2 and all((own & part).sum() < _TORN * part.sum() for part in (hat, worn))
+    told = (mask.pixels & worn).sum() > mask.pixels.sum() / 2
+    other = (*HEAD_REGIONS, Region.CLOTH) if told else (Region.NECK, Region.CLOTH)
+    own = on_head(mask.pixels & ~np.isin(regions, other), pixels)
+    torn = told and all((own & part).sum() < _TORN * part.sum() for part in (hat, worn))
     return replace(mask, pixels=own, behind=mask.behind | (regions == Region.CLOTH), trusted=mask.trusted and not torn)
 
 

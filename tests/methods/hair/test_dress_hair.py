@@ -140,6 +140,18 @@ def test_a_hood_that_goes_over_into_a_collar_and_shoulders_ends_with_them(sitter
     assert (dressed.mask.pixels == sitter.hair.pixels)[rows < y].mean() > 0.99
 
 
+def test_skin_that_colours_take_for_a_hood_is_none(sitter, monkeypatch):
+    """A cheek beside it, in its shadow."""
+    _, columns = np.indices((SIDE, SIDE))
+    hood = sitter.hair.pixels
+    cheek = ~sitter.hair.behind & ~hood & (columns > sitter.face.landmarks[45, 0])
+    mask = HairMask(hood | cheek, sitter.hair.behind, 0.1, True)
+    monkeypatch.setattr("caricli.methods.hair.dress_hair.mask_hair", lambda *_: mask)
+    regions = np.select([hood, ~sitter.hair.behind], [Region.HAT, Region.SKIN], Region.BACKGROUND)
+    dressed = dress_hair(sitter.face, sitter.head, sitter.image, SMALL, regions)
+    np.testing.assert_array_equal(dressed.mask.pixels, hood)
+
+
 @pytest.mark.parametrize("shown", ["a hat", "shreds of a hat", "hair that ends in a hat"])
 def test_shreds_of_a_hat_are_no_hair(sitter, monkeypatch, shown):
     """Colours take all of it, or what is on one side; of what is labelled skin they know more."""
