@@ -10,7 +10,7 @@ from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.move_skull import sink_skull
 from caricli.methods.hair.paint_hair import paint_hair
-from caricli.methods.hair.parsed_hair import parsed_hair
+from caricli.methods.hair.parsed_hair import on_head, parsed_hair
 from caricli.methods.hair.settings import MaskSettings
 from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.another_colour import lab_colours
@@ -20,6 +20,7 @@ from caricli.methods.texture.settings import PaintSettings
 from caricli.render.pixels.distance_to import distance_to
 from caricli.render.pixels.smaller_mask import smaller_mask
 from caricli.structures import Camera, Face, Hair
+from caricli.structures.parsing import HEAD_REGIONS, Region
 from caricli.template.annotation import EARS
 from caricli.template.template import Template
 
@@ -27,6 +28,7 @@ _NEEDED = (*EARS, "scalp")
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
 _LIKE = 2 / 3  # overlap of a shell with what colours, or labels far from the head, take for hair; with less it is none
 _FAR = MaskSettings(over=0.0)  # how hair is told, however little of it is before the head
+_TORN = 0.5  # of a labelled hat: colours that take less than that of it tear it
 _MEET = 0.05  # of the face's height: so near to each other hair and what is behind it meet
 _UNLIKE = 12.0  # in CIELAB, between the mean colours there: what is no farther from it than this goes on as a wall
 _PIXELS = 750  # height of the head in the picture that a shell is made by at most; its quads are four of them
@@ -61,18 +63,18 @@ def dress_hair(
 ) -> DressedHair | None:
     """Put the hair of a picture on a head.
 
-    face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings:
-    PaintSettings; their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template
-    does not name ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell
-    hair by its colours, which also do where these contradict the regions. Where most of what is labelled hair is beside
-    the head, it is hair if it has an edge and a shell is like it. pixels: (H, W) bool, those that the face's mesh
-    covers, or None to find them.
+    face: Face with camera and landmarks. template: of its topology. image: (H, W, 3) uint8. settings: PaintSettings;
+    their hair is "shell", "auto" for none where it is doubtful which pixels show hair or the template does not name
+    ears and scalp, or "none". regions: (H, W) values of Region, what the pixels show, or None to tell hair by its
+    colours, which also do where these contradict the regions, but for what is labelled neck or cloth. Where most of
+    what is labelled hair is beside the head, it is hair if it has an edge and a shell is like it. pixels: (H, W) bool,
+    those that the face's mesh covers, or None to find them.
     Returns DressedHair, or None. Raises InputError where a shell is asked for and there is no hair or no such name.
     """
     if not _wants_hair(template, settings):
         return None
+    pixels = mesh_pixels(face, image) if pixels is None else pixels
     if regions is not None:
-        pixels = mesh_pixels(face, image) if pixels is None else pixels
         mask = parsed_hair(face, regions, pixels, image)
         if mask is not None:
             return _put_on(face, template, mask, settings)
@@ -82,7 +84,8 @@ def dress_hair(
             dressed = _put_on(face, template, mask, replace(settings, hair="auto"))
             if dressed is not None and dressed.overlap >= _LIKE:
                 return dressed
-    dressed = _put_on(face, template, mask_hair(face, template, image), settings)
+    mask = mask_hair(face, template, image)
+    dressed = _put_on(face, template, mask if regions is None else _as_labelled(mask, regions, pixels), settings)
     if dressed is not None and settings.hair == "auto" and dressed.overlap < _LIKE:
         return None
     return dressed
@@ -111,6 +114,21 @@ def hair_picture(dressed: DressedHair, image: np.ndarray, settings: PaintSetting
     sight = Sight(dressed.face.require_camera(), image, dressed.mask.pixels)
     view = PictureView(dressed.hair.shell, sight, settings.texture)
     return paint_hair(dressed.hair, view, settings.size or _SIZE, np.random.default_rng(settings.seed))
+
+
+def _as_labelled(mask: HairMask, regions: np.ndarray, pixels: np.ndarray) -> HairMask:
+    """What of a mask by colours is labelled neither neck nor cloth, in regions (H, W), and hangs on a head (H, W) bool.
+
+    Hoods go over into collars and shoulders. White hair may well be labelled skin, but not where most of the mask is of
+    hat and hair: then skin is none of it, and where little of the hat, and of both, is in it, it is shreds of a hat and
+    not trusted.
+    """
+    hat, worn = (on_head(np.isin(regions, parts), pixels) for parts in ((Region.HAT,), (Region.HAT, Region.HAIR)))
+    told = (mask.pixels & worn).sum() > mask.pixels.sum() / 2
+    other = (*HEAD_REGIONS, Region.CLOTH) if told else (Region.NECK, Region.CLOTH)
+    own = on_head(mask.pixels & ~np.isin(regions, other), pixels)
+    torn = told and all((own & part).sum() < _TORN * part.sum() for part in (hat, worn))
+    return replace(mask, pixels=own, behind=mask.behind | (regions == Region.CLOTH), trusted=mask.trusted and not torn)
 
 
 def _stands_out(face: Face, mask: HairMask, image: np.ndarray) -> bool:

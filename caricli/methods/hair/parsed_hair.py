@@ -43,11 +43,11 @@ def parsed_hair(
     points = face.require_landmarks()[:COUNT]
     size = float(np.ptp(points, axis=0).max())
     hats = regions == Region.HAT
-    regions = np.where(hats & ~_on_head(hats, pixels), Region.BACKGROUND, regions)
+    regions = np.where(hats & ~on_head(hats, pixels), Region.BACKGROUND, regions)
     regions = np.where(_coloured_as_hair(regions, image), Region.HAIR, regions)
     hair = regions == Region.HAIR
-    own = _on_head(hair, pixels, settings.crumb * size**2, settings.gap * size)
-    worn = (_on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
+    own = on_head(hair, pixels, settings.crumb * size**2, settings.gap * size)
+    worn = (on_head(np.isin(regions, (Region.HAT, Region.HAIR)), pixels) & (regions == Region.HAT)).sum()
     doubt = float(worn / max(worn + own.sum(), 1))
     if doubt > settings.doubt:
         return None
@@ -56,7 +56,7 @@ def parsed_hair(
         features = facial_features(points, size, own.shape, settings) & ~own
         other = np.isin(regions, _NEVER) | ((regions == Region.HAT) & (doubt > _SPECKS))
         cut = (probable > 0.5) & ~other & ~features
-        own = _on_head(cut, pixels, settings.crumb * size**2, settings.gap * size)
+        own = on_head(cut, pixels, settings.crumb * size**2, settings.gap * size)
         doubt = 1 - (1 - doubt) * _certainty(own, probable)
         if doubt > settings.unsure or (own & pixels).sum() < settings.over * own.sum():
             return None
@@ -85,7 +85,7 @@ def _coloured_as_hair(regions: np.ndarray, image: np.ndarray) -> np.ndarray:
     return own
 
 
-def _on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0, gap: float = 0.0) -> np.ndarray:
+def on_head(mask: np.ndarray, pixels: np.ndarray, least: float = 0.0, gap: float = 0.0) -> np.ndarray:
     """(H, W) bool: the parts of a mask (H, W) that have more than so many pixels and some of those of the head.
 
     gap: pixels, what is no farther apart than this is one part.

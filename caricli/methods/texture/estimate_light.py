@@ -1,6 +1,7 @@
 """The light on a face, from the colours of its skin: nine spherical harmonics of the normals."""
 
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,10 @@ GAMMA = 2.2
 """Exponent from sRGB to linear light, near enough for ratios."""
 
 _LEVEL = 1e-6
+_LAMP = (2 / np.sqrt(3), np.sqrt(5) / 4)
+"""Lengths of the first and the second order of a single far lamp in the dark, for its constant term of one: no light
+has more."""
+
 _DOME = 400
 
 
@@ -23,17 +28,19 @@ class LightSettings:
     spread: of the coefficients of the first and the second order, standard deviations for that of the constant one.
     noise: standard deviation of the skin's own colour, of logarithms. outlier: in units of the residuals' spread, from
     where on a colour counts as another thing than skin. weights: of the spread against the mean square of the
-    logarithms, of which that is taken that foretells left-out parts best. halvings: into these parts. gain: share of
-    the left-out error that light has to explain before it is believed in. rounds: of reweighting. range: least and
-    greatest light, of the mean one. least: points of skin, with fewer nothing is told. brightest: mean light on the
-    skin that is seen, at most: none of 150 generated heads in random light has more, but drawings whose outlines are
-    dark look as if lit from before them.
+    logarithms, of which that is taken that foretells left-out parts best. tint: weight, against the same, of how far
+    channels are from their mean, in that spread: lamps have colours, but not opposite ones. halvings: into these parts.
+    gain: share of the left-out error that light has to explain before it is believed in. rounds: of reweighting. range:
+    least and greatest light, of the mean one. least: points of skin, with fewer nothing is told. brightest: mean light
+    on the skin that is seen, at most: none of 150 generated heads in random light has more, but drawings whose outlines
+    are dark look as if lit from before them.
     """
 
     spread: tuple[float, float] = (0.5, 0.25)
     noise: float = 0.1
     outlier: float = 2.5
-    weights: tuple[float, ...] = (1e-4, 1e-3, 1e-2)
+    weights: tuple[float, ...] = (1e-4, 1e-3, 1e-2, 1e-1)
+    tint: float = 0.01
     halvings: int = 3
     gain: float = 0.1
     rounds: int = 12
@@ -105,12 +112,11 @@ def estimate_light(
     fit = _Fit(harmonics(normals[used]), logs, weights[used] / weights[used].sum(), settings)
     folds = _folds(places[used], weights[used], settings.halvings)
     constant = fit.missed(folds, np.inf)
-    missed = [fit.missed(folds, weight) for weight in settings.weights]
-    best = int(np.argmin(missed))
-    explained = 1 - missed[best] / max(constant, _LEVEL)
-    if explained < settings.gain:
+    lights = [(fit.missed(folds, weight), fit.solve(np.ones(len(logs)), weight)) for weight in settings.weights]
+    missed, light = min((each for each in lights if _of_lamps(each[1])), key=itemgetter(0), default=(constant, None))
+    explained = 1 - missed / max(constant, _LEVEL)
+    if light is None or explained < settings.gain:
         return None
-    light = fit.solve(np.ones(len(logs)), settings.weights[best])
     dome = sphere_directions(_DOME)
     # An incident light meter beside the face would say one.
     light = light / np.maximum(harmonics(dome[dome @ view > 0]) @ light, _LEVEL).mean(0)
@@ -118,6 +124,12 @@ def estimate_light(
     dimmed = min(settings.brightest / max(float(np.average(lit, 0, weights[used]).mean()), _LEVEL), 1.0)
     light, lit = light * dimmed, lit * dimmed
     return Light(light, np.clip(np.quantile(lit, [0.01, 0.99], axis=0), *settings.range), float(explained))
+
+
+def _of_lamps(light: np.ndarray) -> bool:
+    """Whether there can be such light, (9, 3) coefficients: it is nowhere less than none."""
+    orders = np.linalg.norm(light[1:4], axis=0), np.linalg.norm(light[4:], axis=0)
+    return all((order <= most * light[0]).all() for order, most in zip(orders, _LAMP, strict=True))
 
 
 class _Fit:
@@ -128,7 +140,9 @@ class _Fit:
         self.logs = logs
         self.weights = weights
         self.settings = settings
-        self.stiff = np.repeat([0.0, *(1 / spread**2 for spread in settings.spread)], [1, 3, 5])
+        stiff = np.diag(np.repeat([0.0, *(1 / spread**2 for spread in settings.spread)], [1, 3, 5]))
+        mean = np.full((3, 3), 1 / 3)
+        self.common, self.apart = (np.einsum("cd,ij->cidj", each, stiff) for each in (mean, np.eye(3) - mean))
 
     def solve(self, kept: np.ndarray, weight: float) -> np.ndarray:
         """(9, 3) coefficients by points that are kept, (N,) 0 or 1; of a weight of their spread, inf for no light."""
@@ -136,18 +150,27 @@ class _Fit:
         middle = np.exp(weighted_medians(self.logs, weights))
         light = np.zeros((9, 3))
         light[0] = middle / self.basis[0, 0]
+        size = 1 if np.isinf(weight) else 9
+        basis = self.basis[:, :size]
         for _ in range(self.settings.rounds):
             lit = np.maximum(self.basis @ light, 0.1 * middle)
             rest = self.logs - np.log(lit)
             robust = weights * self.trust(rest, weights)
-            size = 1 if np.isinf(weight) else 9
-            basis = self.basis[:, :size]
-            stiff = np.zeros((3, size)) if size == 1 else weight * robust.sum() * self.stiff / light[0, :, None] ** 2
-            scaled = (robust[:, None] / lit**2).T[:, :, None] * basis
-            left = scaled.transpose(0, 2, 1) @ basis + np.einsum("ci,ij->cij", stiff + _LEVEL**2, np.eye(size))
-            right = (robust[:, None] * rest / lit).T @ basis - stiff * light[:size].T
-            light[:size] += np.linalg.solve(left, right[..., None])[..., 0].T
+            # Of every channel in units of its own constant term.
+            slopes = light[0] / lit
+            stiff = np.zeros((3, 1, 3, 1)) if size == 1 else robust.sum() * self.stiff(weight)
+            left = stiff + np.einsum("ij,cd->cidj", _LEVEL**2 * np.eye(size), np.eye(3))
+            for channel, slope in enumerate(slopes.T):
+                left[channel, :, channel] += (robust * slope**2 * basis.T) @ basis
+            right = (robust[:, None] * rest * slopes).T @ basis
+            right -= np.einsum("cidj,jd->ci", stiff, light[:size] / light[0])
+            step = np.linalg.solve(left.reshape(3 * size, -1), right.ravel()).reshape(3, size)
+            light[:size] += step.T * light[0]
         return light
+
+    def stiff(self, weight: float) -> np.ndarray:
+        """(3, 9, 3, 9) how light is held, by channels and coefficients: near to none, and channels to each other."""
+        return weight * self.common + max(weight, self.settings.tint) * self.apart
 
     def trust(self, rest: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """(N,) from 0 to 1, how much residuals (N, 3) are those of skin."""

@@ -124,6 +124,52 @@ def test_hair_that_is_mostly_beside_the_head_is_hair_where_a_shell_is_like_it(si
         assert dressed.overlap > 0.8 and (dressed.mask.pixels != hair).mean() < 0.01
 
 
+def test_a_hood_that_goes_over_into_a_collar_and_shoulders_ends_with_them(sitter, monkeypatch):
+    """Colours take all of it for hair; labels tell what is cloth. What they take for skin above stays hair."""
+    rows, columns = np.indices((SIDE, SIDE))
+    x, y = sitter.face.landmarks[8]
+    shoulders = (rows > y) & (np.abs(columns - x) < 0.5 * SIDE) & ~sitter.hair.pixels
+    hood = HairMask(sitter.hair.pixels | shoulders, sitter.hair.behind & ~shoulders, 0.1, True)
+    monkeypatch.setattr("caricli.methods.hair.dress_hair.mask_hair", lambda *_: hood)
+    bare = ~sitter.hair.behind
+    hat = sitter.hair.pixels & (columns < x)
+    regions = np.select([shoulders, hat, bare], [Region.CLOTH, Region.HAT, Region.SKIN], Region.BACKGROUND)
+    image = np.where(hood.pixels[..., None], BROWN, sitter.image).astype(np.uint8)
+    dressed = dress_hair(sitter.face, sitter.head, image, SMALL, regions)
+    assert not (dressed.mask.pixels & shoulders).any() and dressed.overlap > 0.88
+    assert (dressed.mask.pixels == sitter.hair.pixels)[rows < y].mean() > 0.99
+
+
+def test_skin_that_colours_take_for_a_hood_is_none(sitter, monkeypatch):
+    """A cheek beside it, in its shadow."""
+    _, columns = np.indices((SIDE, SIDE))
+    hood = sitter.hair.pixels
+    cheek = ~sitter.hair.behind & ~hood & (columns > sitter.face.landmarks[45, 0])
+    mask = HairMask(hood | cheek, sitter.hair.behind, 0.1, True)
+    monkeypatch.setattr("caricli.methods.hair.dress_hair.mask_hair", lambda *_: mask)
+    regions = np.select([hood, ~sitter.hair.behind], [Region.HAT, Region.SKIN], Region.BACKGROUND)
+    dressed = dress_hair(sitter.face, sitter.head, sitter.image, SMALL, regions)
+    np.testing.assert_array_equal(dressed.mask.pixels, hood)
+
+
+@pytest.mark.parametrize("shown", ["a hat", "shreds of a hat", "hair that ends in a hat"])
+def test_shreds_of_a_hat_are_no_hair(sitter, monkeypatch, shown):
+    """Colours take all of it, or what is on one side; of what is labelled skin they know more."""
+    rows, columns = np.indices((SIDE, SIDE))
+    hair = sitter.hair.pixels
+    part = hair & (columns > sitter.face.landmarks[24, 0]) if shown == "shreds of a hat" else hair
+    mask = HairMask(part, sitter.hair.behind, 0.1, True)
+    monkeypatch.setattr("caricli.methods.hair.dress_hair.mask_hair", lambda *_: mask)
+    hat = hair
+    if shown == "hair that ends in a hat":
+        top = np.flatnonzero(hair.any(1))[0]
+        hat = (rows < top + 8) | ((rows < top + 40) & (np.abs(columns - sitter.face.landmarks[27, 0]) < 6))
+        assert (hat & hair).sum() < 0.2 * min(hat.sum(), hair.sum())
+    regions = np.select([hat, ~sitter.hair.behind], [Region.HAT, Region.SKIN], Region.BACKGROUND)
+    dressed = dress_hair(sitter.face, sitter.head, sitter.image, SMALL, regions)
+    assert (dressed is None) == (shown == "shreds of a hat")
+
+
 def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     shown = ~sitter.hair.behind
     bare = bare_skin(ParsedHead(shown, shown), dressed, sitter.image)

@@ -100,3 +100,23 @@ def test_a_point_far_from_all_others_hardly_changes_what_is_explained(surface):
     # Where it is nearly all that counts, no part but its own has any weight.
     weights[-1] = 1e9
     assert estimate_light(pictured, normals, places, weights, VIEW) is None
+
+
+def painted(surface, generator):
+    """Colours (N, 3) of a face in soft light with a cloth of another colour before its lower half."""
+    normals, places = surface
+    cloth = generator.uniform(40, 200, 3)
+    own = np.where(places[:, 1:2] < generator.uniform(-0.3, 0.1), cloth, SKIN)
+    return own * (0.5 + 0.5 * lit(normals)) ** (1 / GAMMA) * generator.normal(1, 0.1, (len(normals), 1))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_light_before_a_cloth_is_light_that_can_be(surface, seed):
+    """Nowhere less than none, and without opposite colours on opposite sides."""
+    light = estimated(painted(surface, np.random.default_rng(seed)), surface)
+    if light is not None:
+        relative = light.coefficients[1:] / light.coefficients[0]
+        # A single lamp in the dark has so much of the first and the second order.
+        assert (np.linalg.norm(relative[:3], axis=0) < 1.155).all()
+        assert (np.linalg.norm(relative[3:], axis=0) < 0.56).all()
+        assert np.linalg.norm(relative - relative.mean(1, keepdims=True), axis=0).max() < 0.65
