@@ -70,7 +70,7 @@ def main(dataset, count=60):
         for way, name in ways.items():
             right, wrong = 100 * np.mean([judged(each[lines], name) for each in drawn], axis=0)
             rows.append({"lines": lines, "way": way, "right": float(right), "wrong": float(wrong)})
-            print("{lines:18} {way:26} right {right:.1f} %, wrong {wrong:.1f} %".format(**rows[-1]), flush=True)
+            print(f"{lines:18} {way:26} right {right:.1f} %, wrong {wrong:.1f} %", flush=True)
     print(json.dumps({"strokes": rows}))
 
 
