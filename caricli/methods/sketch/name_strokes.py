@@ -14,6 +14,7 @@ from caricli.methods.sketch.fit_lines import fit_lines, line_camera
 from caricli.methods.sketch.lay_over import faces_over
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
+from caricli.methods.sketch.names_in_order import names_in_order
 from caricli.methods.sketch.settings import BESIDE, MIDDLE, PIECED, SELDOM, LineFitSettings, NamingSettings
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
@@ -28,6 +29,9 @@ _SHORTEST = 0.01
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
+_APART = 0.02
+"""Share of a face's diagonal: so far below another line, one is not taken for what lies above. Lips of generated faces
+cross by less."""
 _TIE = 1.02
 """Of the least cost: up to this a network's face does not count, which knows of no hair and no neck."""
 _SURELY = 0.9
@@ -179,6 +183,7 @@ class _Naming:
         self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])
         self.chosen: dict[int, Candidate] = {}
         self.cost = self._assign()
+        self._put_in_order(_APART * unit)
         self._continue([stroke.length for stroke in strokes])
         self._find_outline()
 
@@ -278,6 +283,14 @@ class _Naming:
         twice = drawn.sum(0) > 1
         covered = max(float(twice[self.costs.nearest[s, c]].mean()) for s in pieces)
         return bool(whole) and covered < self.settings.covered
+
+    def _put_in_order(self, least: float) -> None:
+        """Let strokes that lie one below the other draw such curves. least: pixels that are clearly below."""
+        single = {each.names[0]: each for each in self.candidates if not each.loop}
+        numbers = {each.names[0]: number for number, each in self.chosen.items() if not each.loop}
+        lines = {name: self.sketch.strokes[number].points for name, number in numbers.items()}
+        for name, right in names_in_order(lines, least).items():
+            self.chosen[numbers[name]] = single[right]
 
     def _continue(self, lengths: list[float]) -> None:
         """Let strokes that are left continue what others draw, the longest first."""

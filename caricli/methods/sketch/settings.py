@@ -17,6 +17,13 @@ MIDDLE = ("mouth", "nose")
 PIECED = "nose"
 """The curve that is often drawn by several strokes: its wings, and what is between them."""
 
+ORDERED = (
+    ("brow_left", "eye_fold_left", "eye_upper_left", "eye_lower_left"),
+    ("brow_right", "eye_fold_right", "eye_upper_right", "eye_lower_right"),
+    ("mouth_upper", "mouth_inner_upper", "mouth_inner_lower", "mouth_lower"),
+)
+"""Curves that lie one below the other."""
+
 CORNERED = ("brow", "eye_upper", "eye_lower", "eye_fold", "mouth")
 """What the names of curves begin with whose ends everybody draws; others fade out where an artist likes."""
 
