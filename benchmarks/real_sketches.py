@@ -139,7 +139,7 @@ def main():
     parser.add_argument("--data", type=Path, required=True, help="folder of N.jpg and N.txt")
     parser.add_argument("--out", type=Path, required=True, help="JSON of the errors")
     parser.add_argument("--sheets", type=Path, help="a folder for a picture of every face")
-    parser.add_argument("--coarse", choices=["network", "model"], default="model")
+    parser.add_argument("--coarse", choices=["network", "model"], default="network")
     parser.add_argument("--network", type=Path)
     parser.add_argument("--model", type=Path)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
