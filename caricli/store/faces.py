@@ -55,10 +55,9 @@ def _checked(face: Face, path: Path, model: ShapeModel) -> Face:
         counts = f"{len(template.vertices)} vertices, {len(template.faces)} triangles"
         other = f"{len(face.vertices)} vertices, {len(face.faces)} triangles"
         other = "as many in another order" if other == counts else other
-        whole = "; the skin of a whole head is what --parts skin writes" if face.mesh.begins_with(template) else ""
-        raise InputError(
-            f"{shown(path)}: expected the topology of the model ({counts}), found another ({other}){whole}"
-        )
+        hint = "; the skin of a whole head is what --parts skin writes" if face.mesh.begins_with(template) else ""
+        hint = "; export quads, which were cut into other triangles" if face.mesh.is_cut_otherwise(template) else hint
+        raise InputError(f"{shown(path)}: expected the topology of the model ({counts}), found another ({other}){hint}")
     height = face.mesh.height
     if not _SMALLEST < height / template.height < _LARGEST:
         raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")

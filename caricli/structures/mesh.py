@@ -87,6 +87,11 @@ class Mesh:
         """Whether its first triangles are those of another mesh, as in a head whose parts come after its skin."""
         return len(self.faces) > len(other.faces) and np.array_equal(self.faces[: len(other.faces)], other.faces)
 
+    def is_cut_otherwise(self, other: "Mesh") -> bool:
+        """Whether its triangles cut the polygons of another mesh along other diagonals, as some programs do."""
+        same = len(self.vertices) == len(other.vertices) and len(self.faces) == len(other.faces)
+        return same and bool(np.isin(_sides(other.polygons), _sides(self.faces)).all())
+
     def with_vertices(self, vertices: np.ndarray) -> Self:
         """The same mesh in another shape. vertices: (V, 3), as many as there are."""
         other = object.__new__(type(self))
@@ -128,6 +133,14 @@ def triangle_fans(polygons: np.ndarray) -> np.ndarray:
     width = polygons.shape[1]
     fans = np.stack([polygons[:, [0, k, k + 1]] for k in range(1, width - 1)], axis=1)
     return np.ascontiguousarray(fans[fans[:, :, 2] >= 0], dtype=np.int32)
+
+
+def _sides(polygons: np.ndarray) -> np.ndarray:
+    """(E,) int64, one for every side of polygons (P, N), padded with -1: the same whichever way it goes."""
+    after = np.roll(polygons, -1, axis=1)
+    last = np.where(after < 0, polygons[:, :1], after)
+    ends = np.stack([polygons, last], axis=-1)[polygons >= 0].astype(np.int64)
+    return ends.min(1) * (MAX_CORNERS + 1) + ends.max(1)
 
 
 def _set(mesh: Mesh, **values: np.ndarray) -> None:

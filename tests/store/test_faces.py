@@ -66,6 +66,13 @@ def test_whole_heads_are_told_how_to_be_skin_alone(shape, model, tmp_path):
         load_face(path, model)
 
 
+def test_quads_cut_into_other_triangles_are_told_to_be_written_whole(shape, model, tmp_path):
+    triangles = np.concatenate([shape.polygons[:, [0, 1, 3]], shape.polygons[:, 1:]])
+    write_obj(tmp_path / "cut.obj", Mesh(shape.vertices, triangles))
+    with pytest.raises(InputError, match=r"\(as many in another order\); export quads, which were cut into other tri"):
+        load_face(tmp_path / "cut.obj", model)
+
+
 def test_a_face_that_is_no_surface_is_refused(shape, model, tmp_path):
     crumbs = np.where(np.arange(len(shape.vertices))[:, None] < 3000, shape.vertices[0], shape.vertices)
     write_face(tmp_path / "heap.npz", Face(shape.with_vertices(crumbs)))

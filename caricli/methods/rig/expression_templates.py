@@ -118,10 +118,13 @@ class ExpressionTemplates:
         """Raise InputError for a mesh of another topology."""
         if mesh.topology_id != self.mesh.topology_id:
             expected = f"{len(self.neutral)} vertices, {len(self.faces)} triangles"
-            whole = ", or of a whole head its skin, as --parts skin writes it" if mesh.begins_with(self.mesh) else ""
+            hint = ", or of a whole head its skin, as --parts skin writes it" if mesh.begins_with(self.mesh) else ""
+            hint = (
+                ", or export quads, which were cut into other triangles" if mesh.is_cut_otherwise(self.mesh) else hint
+            )
             raise InputError(
                 f"expected the topology of the templates ({expected}), found another ({len(mesh.vertices)} vertices, "
-                f"{len(mesh.faces)}); give templates of its own mesh (--templates){whole}"
+                f"{len(mesh.faces)}); give templates of its own mesh (--templates){hint}"
             )
 
     def start(self, k: int) -> np.ndarray:

@@ -194,3 +194,7 @@ def test_another_topology_is_refused(templates, ball):
     whole = Mesh(np.concatenate([vertices, vertices]), np.concatenate([faces, faces + len(vertices)]))
     with pytest.raises(InputError, match=r"\(--templates\), or of a whole head its skin, as --parts skin writes it"):
         make_rig(whole, templates)
+    quads = templates.mesh.polygons
+    cut = Mesh(vertices, np.concatenate([quads[:, [0, 1, 3]], quads[:, 1:]]))
+    with pytest.raises(InputError, match=r"\(--templates\), or export quads, which were cut into other triangles"):
+        make_rig(cut, templates)
