@@ -98,11 +98,21 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
             faces = [_whole(path, head) for path in paths]
-            picture = _draw(temporary, faces, distinct_names(paths), settings)
+            picture = _draw(temporary, faces, _labels(paths), settings)
         else:
             picture = _overlay(read_face(paths[0]), paths[0], head, image)
             write_png(temporary, picture)
     echo_result(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
+
+
+def _labels(paths):
+    """What tells files apart, their suffixes, too, where nothing else does."""
+    names = distinct_names(paths)
+    return (
+        names
+        if len(set(names)) == len(names)
+        else [name + path.suffix for name, path in zip(names, paths, strict=True)]
+    )
 
 
 def _whole(path, head):

@@ -125,9 +125,9 @@ def test_several_faces_become_a_labelled_sheet(obj, npz, tmp_path):
         (["a/one.obj", "b/two.obj"], ["one", "two"]),
         (["heads/ann/textured/face.obj", "heads/bob/textured/face.obj"], ["ann", "bob"]),
         (["face.obj", "deep/ann/face.obj"], ["face", "deep/ann"]),
-        (["take/face.obj", "take/face.ply"], ["face/obj", "face/ply"]),
+        (["take/face.obj", "take/face.ply"], ["face.obj", "face.ply"]),
         (["ann/face.obj", "bob/face.ply"], ["ann", "bob"]),
-        (["face.obj", "face.obj"], ["face", "face"]),
+        (["face.obj", "face.obj"], ["face.obj", "face.obj"]),
     ],
 )
 def test_files_of_one_name_are_told_apart(places, names, obj, tmp_path, monkeypatch):

@@ -17,7 +17,6 @@ from caricli.io.outputs import staged
             ["a/ann/textured/face.npz", "b/ann/textured/face.npz", "b/bob/face.npz"],
             ["a-ann-textured", "b-ann-textured", "b-bob"],
         ),
-        (["ann.png", "ann.jpg"], ["ann-png", "ann-jpg"]),
         (["ann.png", "deep/bob.jpg"], ["ann", "bob"]),
     ],
 )
@@ -27,9 +26,11 @@ def test_inputs_of_one_name_are_told_apart_by_their_folders(places, names, tmp_p
     assert jobs == [(path, tmp_path / "out" / f"{name}.obj") for path, name in zip(paths, names, strict=True)]
 
 
-def test_one_input_twice_is_refused(tmp_path):
-    with pytest.raises(click.UsageError, match=r"out/a\.obj: two FACE would be written there"):
-        named_jobs([tmp_path / "a.npz", tmp_path / "a.npz"], "FACE", None, tmp_path / "out", ".obj")
+@pytest.mark.parametrize("places", [("a.npz", "a.npz"), ("a.npz", "a.obj"), ("b/a.npz", "c/a.npz", "b/a.obj")])
+def test_one_face_twice_is_refused(places, tmp_path):
+    """In two formats, too."""
+    with pytest.raises(click.UsageError, match=r"out/[ab]\.obj: two FACE would be written there"):
+        named_jobs([tmp_path / place for place in places], "FACE", None, tmp_path / "out", ".obj")
 
 
 def test_what_failed_is_named_once():
