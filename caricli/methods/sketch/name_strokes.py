@@ -34,6 +34,8 @@ _APART = 0.02
 cross by less."""
 _TIE = 1.02
 """Of the least cost: up to this a network's face does not count, which knows of no hair and no neck."""
+_NEARLY_ALL = 0.9
+"""Of the length of the strokes that find curves: a network's face that finds curves for less does not count."""
 _SURELY = 0.9
 """Of the cost above which a stroke draws no curve: what one costs at most that is surely an eye."""
 _PIECES = 4
@@ -77,9 +79,12 @@ def name_strokes(
     starts = [_likeliest([_Naming(nameless, handles, own, unit, settings) for own in laid])]
     if see is not None:
         starts.append(_Naming(nameless, handles, _own(see(nameless.sketch), handles), unit, settings))
-    settled = [start.settled(handles, model, unit) for start in starts]
-    least = min(each.cost for each in settled)
-    return next(each for each in settled if each.cost <= _TIE * least).named()
+    best, *seen = [start.settled(handles, model, unit) for start in starts]
+    for other in seen:
+        # What finds curves for short strokes alone, beside an outline that is left, is no better.
+        if _TIE * other.cost < best.cost and other.length > _NEARLY_ALL * best.length:
+            best = other
+    return best.named()
 
 
 def unsure_share(sketch: Sketch, named: Sketch, handles: LineHandles) -> float:
@@ -214,6 +219,11 @@ class _Naming:
         drawn = np.ix_(eyes, lids)
         dearest = float(self.costs.whole[drawn].max())
         self.costs.whole[drawn] *= min(1.0, _SURELY * self.settings.dearest / dearest)
+
+    @property
+    def length(self) -> float:
+        """Pixels of all strokes that draw a curve."""
+        return sum(self.sketch.strokes[number].length for number in self.chosen)
 
     @property
     def complete(self) -> bool:

@@ -1,12 +1,15 @@
 import itertools
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.methods.sketch.vary_sketch import vary_sketch
+from caricli.store.sketch_networks import load_sketch_pair
 from caricli.structures import Camera, Face
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
@@ -74,6 +77,22 @@ def test_a_network_that_sees_another_face_harms_nothing(anonymous, handles, mode
     elsewhere = Face(head_template.with_vertices(10 * head_template.vertices), camera)
     named = name_strokes(anonymous, handles, model, see=lambda sketch: elsewhere)
     assert curves_of(named) == curves_of(name_strokes(anonymous, handles, model))
+
+
+@pytest.mark.parametrize("seed", [4, 8])
+def test_a_network_s_face_in_a_part_of_a_drawing_counts_for_nothing(handles, model, seed):
+    """A head that lies on its side: the network sees a face in what is left without the outline."""
+    network, basis = load_sketch_pair()
+    draw = np.random.default_rng(seed).normal(size=len(model.prior.mean))
+    person = model.decode(model.prior.colour(draw))
+    upright = draw_sketch(person, handles.curves, canvas_camera(person, handles.curves))
+    turned = (nameless(stroke).moved(stroke.points[:, ::-1] * [-1, 1] + [256, 0]) for stroke in upright.strokes)
+    lying = upright.with_strokes(turned)
+    alone, told = (
+        sum(stroke.length for stroke in name_strokes(lying, handles, model, see=see).strokes if stroke.curve)
+        for see in (None, partial(see_sketch, network=network, basis=basis))
+    )
+    assert told > 0.9 * alone
 
 
 def test_a_jaw_that_no_face_has_is_the_outline(sketch, handles, model):
