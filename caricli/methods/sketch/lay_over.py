@@ -7,6 +7,7 @@ import numpy as np
 
 from caricli.methods.sketch.fit_lines import FRONT
 from caricli.methods.sketch.line_handles import LineHandles
+from caricli.methods.sketch.settings import MIDDLE
 from caricli.template.feature_curves import SILHOUETTE
 
 _RARE = 0.01
@@ -59,6 +60,29 @@ def faces_over(strokes: Sequence[np.ndarray], handles: LineHandles, mean: np.nda
     return laid + _in_heads(flat, outline, (inside, lids), strokes)
 
 
+def mouths_over(strokes: Sequence[np.ndarray], own: np.ndarray, handles: LineHandles) -> list[np.ndarray]:
+    """Lay the mouth of a face over strokes between its nose and its chin: over the box of all, and of those in the
+    middle.
+
+    strokes: of (N, 2) pixels, that may draw a mouth. own: (H, 2) pixels of the handles of the face.
+    Returns (H, 2) pixels of the handles for each; none where the face has no mouth, or nothing is drawn there.
+    """
+    lips, nose, outline = (handles.rows_of(name) for name in (*MIDDLE, SILHOUETTE))
+    if not (len(lips) and len(nose) and len(outline)):
+        return []
+    low = np.array([own[outline, 0].min(), own[nose, 1].max()])
+    high = own[outline].max(0)
+    below = [points for points in strokes if ((middle := _middle(points)) > low).all() and (middle < high).all()]
+    across = own[nose, 0].mean()
+    central = [points for points in below if points[:, 0].min() < across < points[:, 0].max()]
+    laid = []
+    for group in (below, central):
+        if group and np.ptp(np.concatenate(group), axis=0).all():
+            laid.append(own.copy())
+            laid[-1][lips] = _over(own, lips, group)[lips]
+    return laid
+
+
 def _in_heads(
     flat: np.ndarray, outline: np.ndarray, features: tuple[np.ndarray, ...], strokes: list[np.ndarray]
 ) -> list[np.ndarray]:
@@ -92,8 +116,13 @@ def _heads(strokes: list[np.ndarray]) -> list[tuple[np.ndarray, list[np.ndarray]
 def _frames(strokes: list[np.ndarray]) -> bool:
     """Whether the last of some strokes goes around most others: as an outline does, and no feature."""
     low, high = strokes[-1].min(0), strokes[-1].max(0)
-    middles = np.array([(points.min(0) + points.max(0)) / 2 for points in strokes[:-1]]).reshape(-1, 2)
+    middles = np.array([_middle(points) for points in strokes[:-1]]).reshape(-1, 2)
     return len(middles) > 0 and bool(((middles > low) & (middles < high)).all(1).mean() > 0.5)
+
+
+def _middle(points: np.ndarray) -> np.ndarray:
+    """(2,) of the box around points."""
+    return (points.min(0) + points.max(0)) / 2
 
 
 def _over(flat: np.ndarray, rows: np.ndarray, strokes: list[np.ndarray]) -> np.ndarray:

@@ -24,8 +24,8 @@ class LineHandles:
         self.vertices = np.unique(np.concatenate([curve.vertices for curve in curves]))
         self.rows = {curve.name: np.searchsorted(self.vertices, curve.vertices) for curve in curves}
 
-    def rows_of(self, start: str) -> np.ndarray:
-        """(N,) handles of the curves whose names begin so."""
+    def rows_of(self, start: str | tuple[str, ...]) -> np.ndarray:
+        """(N,) handles of the curves whose names begin so, or in one of several ways."""
         rows = [rows for name, rows in self.rows.items() if name.startswith(start)]
         return np.unique(np.concatenate(rows)) if rows else np.zeros(0, int)
 

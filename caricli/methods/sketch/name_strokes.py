@@ -11,11 +11,20 @@ from caricli.errors import InputError
 from caricli.methods.sketch.find_irises import find_irises
 from caricli.methods.sketch.find_outline import find_outline
 from caricli.methods.sketch.fit_lines import fit_lines, line_camera
-from caricli.methods.sketch.lay_over import faces_over
+from caricli.methods.sketch.lay_over import faces_over, mouths_over
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
 from caricli.methods.sketch.names_in_order import names_in_order
-from caricli.methods.sketch.settings import BESIDE, MIDDLE, PIECED, SELDOM, LineFitSettings, NamingSettings
+from caricli.methods.sketch.settings import (
+    BESIDE,
+    MIDDLE,
+    MOUTH,
+    PARTS,
+    PIECED,
+    SELDOM,
+    LineFitSettings,
+    NamingSettings,
+)
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
@@ -58,8 +67,9 @@ def name_strokes(
     The curves of the mean face are laid over the sketch, once for every box that this may be of; strokes and curves are
     then assigned to each other for the least sum of costs (the Hungarian method), a stroke that is dear everywhere to
     none; camera and latent of the model follow the strokes so named, and all again. The same begins with the face that
-    a network sees, which counts where it costs less in the end. The cost is the mean distance of the stroke from the
-    curve, and, counting less, of the curve from the stroke, and their difference in direction. Brows, lids and lips
+    a network sees, which counts where it costs less in the end. Of either, parts go where the network sees them, and
+    the mouth over what is left below the nose, where that costs less. The cost is the mean distance of the stroke from
+    the curve, and, counting less, of the curve from the stroke, and their difference in direction. Brows, lids and lips
     that clearly lie one below the other change their names accordingly. Then strokes continue curves that others have
     drawn in part, and one that goes around all features is the outline where none is. Of a closed stroke that is both
     lids, or both lips, two are made. Names that are given stay; wrinkles without a name stay without, and irises and
@@ -79,8 +89,9 @@ def name_strokes(
     starts = [_likeliest([_Naming(nameless, handles, own, unit, settings) for own in laid])]
     if see is not None:
         starts.append(_Naming(nameless, handles, _own(see(nameless.sketch), handles), unit, settings))
-    best, *seen = [start.settled(handles, model, unit) for start in starts]
-    for other in seen:
+    seen = [start.own for start in starts[1:]]
+    best, *others = [start.settled(handles, model, unit).by_parts(seen, handles, model, unit) for start in starts]
+    for other in others:
         # What finds curves for short strokes alone, beside an outline that is left, is no better.
         if _TIE * other.cost < best.cost and other.length > _NEARLY_ALL * best.length:
             best = other
@@ -158,6 +169,13 @@ def _own(face: Face, handles: LineHandles) -> np.ndarray:
     return face.require_camera().project(face.vertices[handles.vertices])
 
 
+def _with_rows(own: np.ndarray, rows: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(H, 2) with some rows of another."""
+    mixed = own.copy()
+    mixed[rows] = other[rows]
+    return mixed
+
+
 def _likeliest(namings: Sequence["_Naming"]) -> "_Naming":
     """Of several the cheapest, or one that names all strokes for hardly more: that one stroke fits well is no reason to
     leave all others where a face has room for every one."""
@@ -173,6 +191,7 @@ class _Naming:
     ) -> None:
         """own: (H, 2) pixels of the handles. unit: pixels, diagonal of a face."""
         self.nameless = nameless
+        self.own = own
         self.sketch = nameless.sketch
         self.settings = settings
         self.candidates = candidates_at(handles, own)
@@ -207,6 +226,27 @@ class _Naming:
                 break
             best = again
         return best
+
+    def by_parts(self, seen: Sequence[np.ndarray], handles: LineHandles, model: ShapeModel, unit: float) -> "_Naming":
+        """What strokes draw of a face whose parts lie where a network sees them, and whose mouth where strokes are left
+        below the nose, each where that costs less: on caricatures parts may be far from where a face has them.
+
+        seen: (H, 2) pixels of the handles of the network's face, if there is one.
+        """
+        best = self
+        for part in PARTS:
+            rows = handles.rows_of(part)
+            laid = [_with_rows(best.own, rows, own) for own in seen]
+            if part == MOUTH:
+                laid += mouths_over(best._left(), best.own, handles)
+            trials = [_Naming(self.nameless, handles, own, unit, self.settings) for own in laid]
+            best = min([best, *trials], key=lambda each: each.cost)
+        return self if best is self else best.settled(handles, model, unit)
+
+    def _left(self) -> list[np.ndarray]:
+        """(N, 2) pixels of strokes that draw no curve, or a lip."""
+        numbers = [n for n in self.numbers if n not in self.chosen or self.chosen[n].names[0].startswith(MOUTH)]
+        return [self.sketch.strokes[number].points for number in numbers]
 
     def _keep_eyes(self, eyes: np.ndarray) -> None:
         """Let strokes (S,) bool that go around an iris draw an eye, the nearer one, however much larger they are."""
@@ -244,14 +284,17 @@ class _Naming:
         return self.sketch.with_strokes(strokes)
 
     def _assign(self) -> float:
-        """Give every stroke one candidate or none, loops first; returns the sum of the costs."""
+        """Give every stroke one candidate or none; returns the sum of the costs. Where a loop is drawn, its two curves
+        are not drawn as well; without loops, if that costs less."""
         loops = np.array([each.loop for each in self.candidates])
         blocked = self.blocked
         pairs, total = self._pairs(blocked)
         rings = {name for _, c in pairs for name in self.candidates[c].names if loops[c]}
         if rings:
-            blocked = blocked | np.array([not each.loop and each.names[0] in rings for each in self.candidates])
-            pairs, total = self._pairs(blocked)
+            drawn = np.array([not each.loop and each.names[0] in rings for each in self.candidates])
+            pairs, total, blocked = min(
+                ((*self._pairs(also), also) for also in (blocked | drawn, blocked | loops)), key=lambda way: way[1]
+            )
         for s, c in self._with_pieces(pairs, total, blocked):
             self.chosen[self.numbers[s]] = self.candidates[c]
         return total

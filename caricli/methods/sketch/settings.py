@@ -11,8 +11,14 @@ SELDOM = ("eye_fold", "nose_tip", "nostril")
 BESIDE = "ear"
 """What the names of curves begin with that lie beside the outline."""
 
-MIDDLE = ("mouth", "nose")
+MOUTH = "mouth"
+"""What the names of the curves of lips begin with."""
+
+MIDDLE = (MOUTH, "nose")
 """What the names of curves begin with that lie in the middle: of two strokes on either side none draws a whole one."""
+
+PARTS = (MOUTH, ("nose", "nostril"), ("brow", "eye"), BESIDE)
+"""What the names of curves begin with that are one part of a face; artists move and enlarge each as they like."""
 
 PIECED = "nose"
 """The curve that is often drawn by several strokes: its wings, and what is between them."""
@@ -31,6 +37,43 @@ UNUSUAL = 0.03
 """Of the diagonal of the lines: root mean square of their distances from the face that a network sees, from which on it
 is none that networks know. Of 100 sketches that unsteady hands drew of people of validation splits 98 are nearer; of
 those above 0.02 what the network sees is 5.4 mm off, elastic faces 8.1."""
+
+
+@dataclass(frozen=True)
+class PaperSettings:
+    """What is ink on paper. Lengths are shares of the longer side of the picture.
+
+    side: pixels that larger pictures are made smaller to. light: over how far light and paper change. grain: how many
+    times as dark as the paper's grain ink is at least. faint, ink: least darkness, of the paper's brightness, that
+    continues a line and that begins one. pale: darkness of a line, of the usual one's, at least. speck: of a line, what
+    is shorter is dirt. stray: likewise beside all that is longer. thick: half the width of the widest line. solid:
+    share of the ink that may be wider. most: share of the paper that lines cover at most. coarsest: grain, of the
+    paper's brightness, that paper has at most. ruling: of the shorter side, ink along a straight line of the paper's
+    own. ruled: how many of one direction there are at least. bold: how many times as dark as these what is drawn on
+    ruled paper is at least. colours: how far, in steps of Lab, it may change its colour. table: how much brighter the
+    paper is than what lies around it, where it is told from it. margin: of the sheet, what is left out at its edge.
+    fill: of the canvas, the longer side of the drawing.
+    """
+
+    side: int = 1024
+    light: float = 0.09
+    grain: float = 3.5
+    faint: float = 0.05
+    ink: float = 0.11
+    pale: float = 0.35
+    speck: float = 0.012
+    stray: float = 0.04
+    thick: float = 0.014
+    solid: float = 0.35
+    most: float = 0.3
+    coarsest: float = 0.09
+    ruling: float = 0.4
+    ruled: int = 6
+    bold: float = 1.4
+    colours: float = 40.0
+    table: float = 1.15
+    margin: float = 0.01
+    fill: float = 0.86
 
 
 @dataclass(frozen=True)

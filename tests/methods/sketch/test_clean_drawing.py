@@ -1,5 +1,6 @@
 """Drawings photographed on paper: what was drawn comes back, and what is no drawing is refused."""
 
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -93,6 +94,67 @@ def test_lines_come_back(sketch, options):
     assert {stroke.kind for stroke in cleaned.strokes} == {StrokeKind.UNKNOWN}
     picture = rasterise_sketch(cleaned, 256) > 127
     assert picture.shape == (256, 256) and picture.dtype == bool and 0.01 < picture.mean() < 0.2
+
+
+def shaded(picture, softness, share=0.5):
+    """A picture with the shadow of a phone over a corner of the drawing. softness: pixels of its border."""
+    mask = np.zeros(picture.shape[:2], np.uint8)
+    cv2.fillConvexPoly(mask, np.array([[-50, -50], [520, -50], [380, 420], [-50, 300]]), 255)
+    shadow = cv2.GaussianBlur(mask / 255, (0, 0), softness)[..., None]
+    return (picture * (1 - share * shadow)).astype(np.uint8)
+
+
+def folded(picture):
+    """A picture of paper that was folded: one side of it is darker, and the fold is worn."""
+    y, x = np.mgrid[:SIDE, :SIDE]
+    away = 0.8 * (x - 300) + 0.6 * (y - 300)
+    light = (1 - 0.06 * np.tanh(away / 6)) * (1 - 0.12 * np.exp(-((away / 1.5) ** 2)))
+    return np.clip(picture * light[..., None], 0, 255).astype(np.uint8)
+
+
+def smudged(picture, generator):
+    """A picture of paper over which a hand has rubbed graphite."""
+    mask = np.zeros(picture.shape[:2])
+    for middle in generator.integers(150, 550, (6, 2)).tolist():
+        cv2.ellipse(mask, middle, (70, 25), generator.uniform(0, 180), 0, 360, 0.15, -1)
+    return (picture * (1 - cv2.GaussianBlur(mask, (0, 0), 12))[..., None]).astype(np.uint8)
+
+
+def on_a_narrow_table(picture):
+    """A picture whose paper nearly fills it: a strip of a dark table is left at two sides."""
+    table = np.full_like(picture, 60)
+    table[14:, :-17] = picture[14:, :-17]
+    return table
+
+
+SPOILT = {
+    "hard shadow": partial(shaded, softness=1.5),
+    "soft shadow": partial(shaded, softness=25),
+    "fold": folded,
+    "smudges": lambda picture: smudged(picture, np.random.default_rng(3)),
+    "strips of a table": on_a_narrow_table,
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT.keys())
+def test_what_lies_over_and_beside_the_paper_is_no_line(sketch, spoil):
+    cleaned = clean_drawing(spoil(photograph(sketch, np.random.default_rng(1), fall=0.1)))
+    drawn, read = points_of(sketch), points_of(cleaned)
+    assert (KDTree(read).query(drawn)[0] < 3).mean() > 0.95
+    assert (KDTree(drawn).query(read)[0] < 3).mean() > 0.98
+
+
+def test_lines_that_were_searched_for_are_one_each(sketch):
+    """Every line three times, some pixels apart: hardly more strokes than of the same drawn once."""
+    thrice = sketch.with_strokes(
+        stroke.moved((stroke.points - 128) * zoom + 128) for stroke in sketch.strokes for zoom in (0.98, 1, 1.02)
+    )
+    once, searched = (
+        clean_drawing(photograph(each, np.random.default_rng(1), darkness=0.7, width=1.5)) for each in (sketch, thrice)
+    )
+    lengths = [sum(stroke.length for stroke in each.strokes) for each in (once, searched)]
+    assert lengths[1] < 1.2 * lengths[0] and len(searched.strokes) < 1.3 * len(once.strokes)
+    assert (KDTree(points_of(searched)).query(points_of(sketch))[0] < 4).mean() > 0.9
 
 
 def test_chalk_on_a_blackboard(sketch):

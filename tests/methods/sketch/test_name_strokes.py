@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
+from caricli.methods.sketch.line_handles import LineHandles
 from caricli.methods.sketch.name_strokes import name_strokes
 from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.methods.sketch.vary_sketch import vary_sketch
+from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.sketch_networks import load_sketch_pair
 from caricli.structures import Camera, Face
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from caricli.template.feature_curves import named_curves
 
 
 def nameless(stroke):
@@ -93,6 +96,22 @@ def test_a_network_s_face_in_a_part_of_a_drawing_counts_for_nothing(handles, mod
         for see in (None, partial(see_sketch, network=network, basis=basis))
     )
     assert told > 0.9 * alone
+
+
+@pytest.mark.parametrize(("seed", "seen"), [(11, False), (23, False), (2, True), (11, True), (20, True)])
+def test_lips_of_an_unsteady_hand_find_their_curves(seed, seen):
+    """Every lip of unusual people had been left, or given to a nostril: no face laid over them had its mouth there."""
+    model = load_model(kind=DEFAULT_LATENT)
+    handles = LineHandles(named_curves(model.template.annotation))
+    generator = np.random.default_rng(seed)
+    person = model.decode(model.prior.colour(1.5 * generator.normal(size=len(model.prior.mean))))
+    hand = vary_sketch(draw_sketch(person, handles.curves, canvas_camera(person, handles.curves)), generator)
+    network, basis = load_sketch_pair()
+    see = partial(see_sketch, network=network, basis=basis) if seen else None
+    named = name_strokes(hand.with_strokes(map(nameless, hand.strokes)), handles, model, see=see)
+    curves = {stroke.points.tobytes(): stroke.curve for stroke in named.strokes}
+    lips = [stroke for stroke in hand.strokes if stroke.curve and stroke.curve.startswith("mouth")]
+    assert lips and all(curves[stroke.points.tobytes()] == stroke.curve for stroke in lips)
 
 
 def test_a_jaw_that_no_face_has_is_the_outline(sketch, handles, model):
