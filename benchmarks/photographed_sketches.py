@@ -4,7 +4,8 @@ Usage: python -m benchmarks.photographed_sketches DATASET [COUNT [WAY...]]. The 
 bent, some left out) of COUNT (default: 60) faces of a dataset, from the front, in ink or pencil. Each is photographed
 in every WAY (default: all); shadows fall anywhere, over the drawing, too. Figures are means over the drawings: percent
 of the drawn length within 1.5 % of the drawing's longer side of what is read, and of what is read of what was drawn; a
-drawing that is refused counts as nothing, and one is spoilt where either is less than 90 %. The last line is JSON.
+drawing that is refused counts as nothing, and one is spoilt where either is less than 90 %; and how many strokes are
+read for one that was drawn. The last line is JSON.
 """
 
 import json
@@ -202,9 +203,10 @@ def judged(image: np.ndarray, lines: list[np.ndarray]) -> dict[str, float]:
     try:
         sketch = clean_drawing(image)
     except InputError:
-        return {"refused": 100.0, "read": 0.0, "drawn": 0.0, "spoilt": 100.0}
+        return {"refused": 100.0, "read": 0.0, "drawn": 0.0, "spoilt": 100.0, "strokes": np.nan}
     read, drawn = shares(lines, [stroke.points for stroke in sketch.strokes])
-    return {"refused": 0.0, "read": 100 * read, "drawn": 100 * drawn, "spoilt": 100.0 * (min(read, drawn) < SPOILT)}
+    figures = {"refused": 0.0, "read": 100 * read, "drawn": 100 * drawn, "strokes": len(sketch.strokes) / len(lines)}
+    return figures | {"spoilt": 100.0 * (min(read, drawn) < SPOILT)}
 
 
 def main(dataset, count=60, *ways):
@@ -220,9 +222,9 @@ def main(dataset, count=60, *ways):
             hand = vary_sketch(draw_sketch(face, curves, canvas_camera(face, curves)), np.random.default_rng(int(row)))
             drawing = photographed(hand, way, np.random.default_rng([int(row), [*WAYS].index(way)]))
             figures.append(judged(*drawing))
-        mean = {key: float(np.mean([each[key] for each in figures])) for key in figures[0]}
+        mean = {key: float(np.nanmean([each[key] for each in figures])) for key in figures[0]}
         rows.append({"name": way} | mean)
-        print(f"{way:30}", {key: round(value, 1) for key, value in mean.items()}, flush=True)
+        print(f"{way:30}", {key: round(value, 2) for key, value in mean.items()}, flush=True)
     print(json.dumps({"photographs": rows}))
 
 
