@@ -67,8 +67,8 @@ def name_strokes(
     The curves of the mean face are laid over the sketch, once for every box that this may be of; strokes and curves are
     then assigned to each other for the least sum of costs (the Hungarian method), a stroke that is dear everywhere to
     none; camera and latent of the model follow the strokes so named, and all again. The same begins with the face that
-    a network sees, which counts where it costs less in the end. Of either, parts go where the network sees them, and
-    the mouth over what is left below the nose, where that costs less. The cost is the mean distance of the stroke from
+    a network sees, which counts where it costs less in the end. Where strokes are left, parts go where the network
+    sees them, and the mouth over what is left below the nose, if that costs less. The cost is the mean distance of the stroke from
     the curve, and, counting less, of the curve from the stroke, and their difference in direction. Brows, lids and lips
     that clearly lie one below the other change their names accordingly. Then strokes continue curves that others have
     drawn in part, and one that goes around all features is the outline where none is. Of a closed stroke that is both
@@ -229,10 +229,13 @@ class _Naming:
 
     def by_parts(self, seen: Sequence[np.ndarray], handles: LineHandles, model: ShapeModel, unit: float) -> "_Naming":
         """What strokes draw of a face whose parts lie where a network sees them, and whose mouth where strokes are left
-        below the nose, each where that costs less: on caricatures parts may be far from where a face has them.
+        below the nose, each where that costs less: on caricatures parts may be far from where a face has them. Where
+        all strokes draw a curve, nothing is moved.
 
         seen: (H, 2) pixels of the handles of the network's face, if there is one.
         """
+        if self.complete:
+            return self
         best = self
         for part in PARTS:
             rows = handles.rows_of(part)
