@@ -67,13 +67,13 @@ def name_strokes(
     The curves of the mean face are laid over the sketch, once for every box that this may be of; strokes and curves are
     then assigned to each other for the least sum of costs (the Hungarian method), a stroke that is dear everywhere to
     none; camera and latent of the model follow the strokes so named, and all again. The same begins with the face that
-    a network sees, which counts where it costs less in the end. Where strokes are left, parts go where the network
-    sees them, and the mouth over what is left below the nose, if that costs less. The cost is the mean distance of the stroke from
-    the curve, and, counting less, of the curve from the stroke, and their difference in direction. Brows, lids and lips
-    that clearly lie one below the other change their names accordingly. Then strokes continue curves that others have
-    drawn in part, and one that goes around all features is the outline where none is. Of a closed stroke that is both
-    lids, or both lips, two are made. Names that are given stay; wrinkles without a name stay without, and irises and
-    pupils become such.
+    a network sees, which counts where it costs less in the end. Where strokes are left, parts go where the network sees
+    them, and the mouth over what is left below the nose, if that costs less. The cost is the mean distance of the
+    stroke from the curve, and, counting less, of the curve from the stroke, and their difference in direction. Brows,
+    lids and lips that clearly lie one below the other change their names accordingly. Then strokes continue curves that
+    others have drawn in part, and one that goes around all features is the outline where none is. Of a closed stroke
+    that is both lids, or both lips, two are made. Names that are given stay; wrinkles without a name stay without, and
+    irises and pupils become such.
 
     sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings. see:
     gives a network's face of the same topology with its camera, as ``see_sketch`` does, or None.
