@@ -14,8 +14,8 @@ from caricli.structures.sketch import CANVAS, Sketch, Stroke
 def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> Sketch:
     """The lines of a drawing, in the middle of a canvas of CANVAS pixels; their kinds are not known.
 
-    Uneven light and the paper's grain are taken off, what lies around the paper is left out, and the ink that is left
-    is thinned to lines; a frame around the drawing is none.
+    Uneven light, shadows and the paper's grain are taken off, what lies around the paper is left out, and the ink that
+    is left is thinned to lines, areas to their outlines; a frame around the drawing is none.
 
     image: (H, W, 3) uint8, dark lines on bright paper, or bright ones on dark.
     Raises InputError where there are no lines, or areas rather than lines, as in a photograph.
@@ -28,8 +28,9 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     longer = max(gray.shape)
     _refuse_colours(image, ink, settings)
     share = float(ink.mean())
-    if share > settings.most or _solid(ink, settings.thick * longer) > settings.solid:
+    if share > settings.most or _solid(ink, settings.thick * longer).sum() > settings.solid * ink.sum():
         raise InputError(f"expected a drawing of lines on paper, found areas: {100 * share:.0f} % of it are dark")
+    ink = _hollowed(ink, settings.area * longer)
     lines = _dark_lines(trace_joined(ink, settings.speck * longer), dark, settings.pale)
     frames = page_frames([line.points for line in lines])
     lines = _together([line for number, line in enumerate(lines) if number not in frames], settings.stray * longer)
@@ -97,13 +98,22 @@ def _together(lines: list[InkLine], short: float) -> list[InkLine]:
     return [line for line in lines if ((line.points >= low) & (line.points <= high)).all(1).any()]
 
 
-def _solid(ink: np.ndarray, radius: float) -> float:
-    """Share of the ink that is further than a radius from paper."""
+def _solid(ink: np.ndarray, radius: float) -> np.ndarray:
+    """(H, W) bool: areas of the ink whose middle is further than a radius from paper."""
     import cv2
 
-    if not ink.any():
-        return 0.0
-    inside = cv2.distanceTransform(np.pad(ink, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
-    core = (inside > radius).astype(np.uint8)
+    core = (_depths(ink) > radius).astype(np.uint8)
     wide = cv2.dilate(core, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * int(radius) + 1,) * 2)).astype(bool)
-    return float((wide & ink).sum() / ink.sum())
+    return wide & ink
+
+
+def _depths(ink: np.ndarray) -> np.ndarray:
+    """(H, W) pixels to the nearest paper."""
+    import cv2
+
+    return cv2.distanceTransform(np.pad(ink, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+
+
+def _hollowed(ink: np.ndarray, radius: float) -> np.ndarray:
+    """(H, W) bool: ink with areas whose middle is further than a radius from paper as their outlines."""
+    return ink & ~(_solid(ink, radius) & (_depths(ink) > radius / 5))

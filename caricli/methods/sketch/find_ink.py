@@ -26,10 +26,7 @@ def find_ink(gray: np.ndarray, settings: PaperSettings) -> tuple[np.ndarray, np.
     sheet = _sheet(gray, settings)
     soft = cv2.GaussianBlur(gray, (0, 0), max(longer / 1024, 0.5))
     _refuse_patterns(soft, sheet, settings)
-    # Closed over what is wider than any line: lines vanish, and edges of shadows and folds of the paper stay.
-    reach = max(round(settings.light * longer / 2), 3) | 1
-    light = _closed(soft, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach)))
-    dark = 1 - soft / np.maximum(light, 1e-3)
+    dark = 1 - soft / _light(soft, settings)
     level = float(np.median(dark[sheet]))
     spread = 1.4826 * float(np.median(np.abs(dark[sheet] - level)))
     low = max(settings.faint, settings.grain * spread) + level
@@ -39,6 +36,25 @@ def find_ink(gray: np.ndarray, settings: PaperSettings) -> tuple[np.ndarray, np.
     if not _goes_on(ink, sheet, margin):
         ink &= ~widen_mask(~sheet, margin)
     return _without_ruling(ink, dark, settings), dark
+
+
+def _light(soft: np.ndarray, settings: PaperSettings) -> np.ndarray:
+    """(H, W) brightness of the paper: closed over what is wider than any line, so that lines vanish, and edges of
+    shadows and folds of the paper stay; but of what is filled with ink, that of what is around it."""
+    import cv2
+    from skimage.morphology import reconstruction
+
+    longer = max(soft.shape)
+    reach = max(round(settings.light * longer / 2), 3) | 1
+    light = _closed(soft, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach)))
+    # Shadows come in from beyond the picture; what is filled with ink is a hole in the light.
+    brim = np.full_like(light, light.max())
+    brim[[0, -1]], brim[:, [0, -1]] = light[[0, -1]], light[:, [0, -1]]
+    even = np.maximum(reconstruction(brim, light, method="erosion").astype(np.float32), 1e-3)
+    _, holes, figures, _ = cv2.connectedComponentsWithStats((light < (1 - settings.ink) * even).astype(np.uint8))
+    sizes = figures[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max(1)
+    dots = (holes > 0) & (sizes <= settings.dot * longer)[holes]
+    return np.where(dots | (light < settings.black * even), even, np.maximum(light, 1e-3))
 
 
 def _refuse_patterns(soft: np.ndarray, sheet: np.ndarray, settings: PaperSettings) -> None:

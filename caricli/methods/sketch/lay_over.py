@@ -70,9 +70,12 @@ def mouths_over(strokes: Sequence[np.ndarray], own: np.ndarray, handles: LineHan
     lips, nose, outline = (handles.rows_of(name) for name in (*MIDDLE, SILHOUETTE))
     if not (len(lips) and len(nose) and len(outline)):
         return []
-    low = np.array([own[outline, 0].min(), own[nose, 1].max()])
-    high = own[outline].max(0)
-    below = [points for points in strokes if ((middle := _middle(points)) > low).all() and (middle < high).all()]
+    least, most = own[outline].min(0), own[outline].max(0)
+    below = [
+        points
+        for points in strokes
+        if _middle(points)[1] > own[nose, 1].max() and points[:, 0].min() > least[0] and (points.max(0) < most).all()
+    ]
     across = own[nose, 0].mean()
     central = [points for points in below if points[:, 0].min() < across < points[:, 0].max()]
     laid = []

@@ -243,7 +243,9 @@ class _Naming:
             if part == MOUTH:
                 laid += mouths_over(best._left(), best.own, handles)
             trials = [_Naming(self.nameless, handles, own, unit, self.settings) for own in laid]
-            best = min([best, *trials], key=lambda each: each.cost)
+            # Halves of irises are no lids where these are left instead.
+            whole = [each for each in trials if each.length >= best.length]
+            best = min([best, *whole], key=lambda each: each.cost)
         return self if best is self else best.settled(handles, model, unit)
 
     def _left(self) -> list[np.ndarray]:

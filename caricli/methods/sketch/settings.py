@@ -46,13 +46,15 @@ class PaperSettings:
     side: pixels that larger pictures are made smaller to. light: over how far light and paper change. grain: how many
     times as dark as the paper's grain ink is at least. faint, ink: least darkness, of the paper's brightness, that
     continues a line and that begins one. pale: darkness of a line, of the usual one's, at least. speck: of a line, what
-    is shorter is dirt. stray: likewise beside all that is longer. thick: half the width of the widest line. solid:
-    share of the ink that may be wider. most: share of the paper that lines cover at most. coarsest: grain, of the
-    paper's brightness, that paper has at most. ruling: of the shorter side, ink along a straight line of the paper's
-    own. ruled: how many of one direction there are at least. bold: how many times as dark as these what is drawn on
-    ruled paper is at least. colours: how far, in steps of Lab, it may change its colour. table: how much brighter the
-    paper is than what lies around it, where it is told from it. margin: of the sheet, what is left out at its edge.
-    fill: of the canvas, the longer side of the drawing.
+    is shorter is dirt. stray: likewise beside all that is longer. thick: half the width of the widest line. area: the
+    same of what is filled, of which the outline is drawn. solid: share of the ink that may be wider than lines. most:
+    share of the paper that lines cover at most. coarsest: grain, of the paper's brightness, that paper has at most.
+    ruling: of the shorter side, ink along a straight line of the paper's own. ruled: how many of one direction there
+    are at least. bold: how many times as dark as these what is drawn on ruled paper is at least. colours: how far, in
+    steps of Lab, it may change its colour. table: how much brighter the paper is than what lies around it, where it is
+    told from it. margin: of the sheet, what is left out at its edge. black: of the brightness around, that of what is
+    filled with ink and no shadow. dot: what is filled with ink of any darkness, as pupils are, at most. fill: of the
+    canvas, the longer side of the drawing.
     """
 
     side: int = 1024
@@ -64,7 +66,8 @@ class PaperSettings:
     speck: float = 0.012
     stray: float = 0.04
     thick: float = 0.014
-    solid: float = 0.35
+    area: float = 0.024
+    solid: float = 0.85
     most: float = 0.3
     coarsest: float = 0.09
     ruling: float = 0.4
@@ -73,6 +76,8 @@ class PaperSettings:
     colours: float = 40.0
     table: float = 1.15
     margin: float = 0.01
+    black: float = 0.35
+    dot: float = 0.1
     fill: float = 0.86
 
 

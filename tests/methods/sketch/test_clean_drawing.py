@@ -144,6 +144,26 @@ def test_what_lies_over_and_beside_the_paper_is_no_line(sketch, spoil):
     assert (KDTree(drawn).query(read)[0] < 3).mean() > 0.98
 
 
+def test_what_is_filled_with_ink_is_its_outline(sketch):
+    """A black mouth, as laughs are drawn; black pupils leave no scraps in which lids would be looked for."""
+    zoom = SIDE / 256
+    lips = np.concatenate([s.points for s in sketch.strokes if s.curve in ("mouth_upper", "mouth_lower")])
+    middle, size = lips.mean(0), np.ptp(lips, axis=0).max() / 2
+    turns = np.linspace(0, 2 * np.pi, 60)[:, None]
+    mouth = middle + size * np.hstack([np.cos(turns), 0.6 * np.sin(turns)])
+    rest = sketch.with_strokes(s for s in sketch.strokes if not s.curve.startswith("mouth"))
+    picture = photograph(rest, np.random.default_rng(1), darkness=0.85, fall=0.1)
+    cv2.fillPoly(picture, [np.round(mouth * zoom).astype(int)], (25, 28, 30))
+    for side in ("left", "right"):
+        lids = np.concatenate([s.points for s in sketch.strokes if s.curve == f"eye_upper_{side}"])
+        cv2.circle(picture, np.round(lids.mean(0) * zoom + [0, 6]).astype(int).tolist(), 9, (30, 30, 30), -1)
+    cleaned = clean_drawing(cv2.GaussianBlur(picture, (0, 0), 0.8))
+    drawn = points_of(rest.with_strokes([*rest.strokes, rest.strokes[0].moved(mouth)]))
+    read = points_of(cleaned)
+    assert (KDTree(read).query(drawn)[0] < 3).mean() > 0.93
+    assert (KDTree(drawn).query(read)[0] < 3).mean() > 0.95
+
+
 def test_lines_that_were_searched_for_are_one_each(sketch):
     """Every line three times, some pixels apart: hardly more strokes than of the same drawn once."""
     thrice = sketch.with_strokes(
