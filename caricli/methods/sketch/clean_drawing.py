@@ -5,7 +5,7 @@ import numpy as np
 from caricli.errors import InputError
 from caricli.geometry.lines.trace_lines import InkLine
 from caricli.methods.sketch.find_ink import find_ink
-from caricli.methods.sketch.join_doubled import trace_joined
+from caricli.methods.sketch.join_doubled import shades_along, trace_joined
 from caricli.methods.sketch.page_frames import page_frames
 from caricli.methods.sketch.settings import PaperSettings
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
@@ -79,7 +79,7 @@ def _is_chalk(gray: np.ndarray, settings: PaperSettings) -> bool:
 def _dark_lines(lines: list[InkLine], dark: np.ndarray, pale: float) -> list[InkLine]:
     """Lines that are not much paler than the usual one: the others are shadows and folds of the paper."""
     lines = [line for line in lines if len(line.points) > 1]
-    shades = [dark[tuple(line.points.round().astype(int).T[::-1])] for line in lines]
+    shades = shades_along(lines, dark)
     usual = float(np.median(np.concatenate([*shades, np.zeros(1)])))
     return [line for line, own in zip(lines, shades, strict=True) if np.median(own) > pale * usual]
 

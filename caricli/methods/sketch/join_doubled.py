@@ -19,8 +19,6 @@ _GAPS = (0.003, 0.005, 0.008)
 def trace_joined(ink: np.ndarray, shortest: float) -> list[InkLine]:
     """Lines of ink (H, W) bool, as ``trace_lines`` has them; gaps between strokes along each other are filled before,
     where much of a drawing is drawn so."""
-    import cv2
-
     lines = trace_lines(ink, shortest)
     longer = max(ink.shape)
     enough = _DOUBLED
@@ -28,9 +26,22 @@ def trace_joined(ink: np.ndarray, shortest: float) -> list[InkLine]:
         if _doubled(lines, _SIDE * longer) <= enough:
             break
         enough = _JOINED
-        element = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * max(round(gap * longer), 1) + 1,) * 2)
-        lines = trace_lines(cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_CLOSE, element).astype(bool), shortest)
+        lines = trace_lines(_filled(ink.astype(np.uint8), gap).astype(bool), shortest)
     return lines
+
+
+def shades_along(lines: list[InkLine], dark: np.ndarray) -> list[np.ndarray]:
+    """(N,) how dark (H, W) each line is at its points; between strokes that were joined, as dark as these."""
+    filled = _filled(dark, _GAPS[-1])
+    return [filled[tuple(line.points.round().astype(int).T[::-1])] for line in lines]
+
+
+def _filled(picture: np.ndarray, gap: float) -> np.ndarray:
+    """(H, W) with what lies between bright strokes as bright as they are. gap: half of the widest, of its side."""
+    import cv2
+
+    side = 2 * max(round(gap * max(picture.shape)), 1) + 1
+    return cv2.morphologyEx(picture, cv2.MORPH_CLOSE, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side)))
 
 
 def _doubled(lines: list[InkLine], near: float) -> float:

@@ -177,6 +177,14 @@ def test_lines_that_were_searched_for_are_one_each(sketch):
     assert (KDTree(points_of(searched)).query(points_of(sketch))[0] < 4).mean() > 0.9
 
 
+def test_a_line_between_two_pale_ones_is_no_shadow(sketch):
+    """The middle of two strokes of an outline lies on paper; it had been left out as too pale, and the head with it."""
+    outline = next(stroke for stroke in sketch.strokes if stroke.curve == "silhouette")
+    ring = outline.moved((outline.points - 128) * 0.96 + 128)
+    picture = photograph(sketch.with_strokes([*sketch.strokes, ring]), np.random.default_rng(1), darkness=0.5)
+    assert (KDTree(points_of(clean_drawing(picture))).query(points_of(sketch))[0] < 6).mean() > 0.9
+
+
 def test_chalk_on_a_blackboard(sketch):
     board = 255 - photograph(sketch, np.random.default_rng(2))
     assert (KDTree(points_of(clean_drawing(board))).query(points_of(sketch))[0] < 3).mean() > 0.9
