@@ -3,6 +3,7 @@
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.lines.arc_lengths import arc_lengths
 from caricli.geometry.lines.trace_lines import InkLine
 from caricli.methods.sketch.find_ink import find_ink
 from caricli.methods.sketch.join_doubled import shades_along, trace_joined
@@ -85,7 +86,7 @@ def _dark_lines(lines: list[InkLine], dark: np.ndarray, pale: float) -> list[Ink
 
 
 def _length(line: InkLine) -> float:
-    return float(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum())
+    return float(arc_lengths(line.points)[-1])
 
 
 def _together(lines: list[InkLine], short: float) -> list[InkLine]:

@@ -37,7 +37,7 @@ def shades_along(lines: list[InkLine], dark: np.ndarray) -> list[np.ndarray]:
 
 
 def _filled(picture: np.ndarray, gap: float) -> np.ndarray:
-    """(H, W) with what lies between bright strokes as bright as they are. gap: half of the widest, of its side."""
+    """(H, W) with what lies between bright strokes as bright as they are. gap: half of its width, of the side."""
     import cv2
 
     side = 2 * max(round(gap * max(picture.shape)), 1) + 1
