@@ -72,14 +72,30 @@ def start_delta(names: Sequence[str], deltas: np.ndarray, k: int) -> np.ndarray:
 
 
 def within_reach(weights: np.ndarray, names: Sequence[str]) -> np.ndarray:
-    """Weights (T, K) of named actions, none above what another, where there is that, opens or leaves open to it."""
-    columns = dict(zip(names, weights.T.copy(), strict=True))
-    for name in STARTS.keys() & columns:
-        columns[name] = np.minimum(columns[name], columns.get(STARTS[name], np.inf))
-    for name in CLOSES_TOO.keys() & columns:
-        left = SQUINT_ROOM * (1 - columns.get(CLOSES_TOO[name], 0.0))
-        columns[name] = np.minimum(columns[name], np.maximum(left, 0))
-    return np.stack([*columns.values()], axis=1)
+    """Weights (T, K) of actions, none above what another, where there is that, opens or leaves open to it.
+
+    names: (K,) that mean them, see ``arkit_name``; of two halves of one the stronger counts.
+    """
+    actions = [arkit_name(name) for name in names]
+
+    def strongest(action: str) -> np.ndarray:
+        return weights[:, [each == action for each in actions]].max(axis=1)
+
+    room = np.full_like(weights, np.inf)
+    for k, action in enumerate(actions):
+        start, closing = STARTS.get(action or ""), CLOSES_TOO.get(action or "")
+        if start is not None and start in actions:
+            room[:, k] = strongest(start)
+        if closing is not None and closing in actions:
+            room[:, k] = SQUINT_ROOM * np.maximum(1 - strongest(closing), 0)
+    return np.minimum(weights, room)
+
+
+def reachable(weights: Mapping[str, float]) -> dict[str, float]:
+    """Weights of actions by their ARKit names, as of ``within_reach``, where those that are not named do nothing."""
+    every = np.array([[weights.get(name, 0.0) for name in ARKIT_NAMES]])
+    reached = dict(zip(ARKIT_NAMES, within_reach(every, ARKIT_NAMES)[0].tolist(), strict=True))
+    return {name: reached[name] for name in weights}
 
 
 def opposites(names: Sequence[str]) -> tuple[tuple[int, int], ...]:

@@ -1,6 +1,6 @@
 """A rig that moves as a track of weights says."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
@@ -14,7 +14,7 @@ from caricli.methods.animate.resample_weights import resample_weights
 from caricli.methods.animate.smooth_weights import smooth_weights
 from caricli.methods.animate.turn_head import turn_head, within_half_turns
 from caricli.structures import Animation, Rig, Track
-from caricli.structures.arkit import within_reach
+from caricli.structures.arkit import STARTS, arkit_name, within_reach
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class AnimationSettings:
 
     fps: frames a second; None for the track's own.
     smooth: strength of the One-Euro filter; 1 is usual, 0 leaves the weights.
-    scales: factors of weights by expression.
+    scales: factors of weights by expression; what starts from another goes by that one's, unless it has its own.
     head: whether the head turns.
     """
 
@@ -92,7 +92,7 @@ def animate_rig(
     track: Track,
     settings: AnimationSettings = AnimationSettings(),  # noqa: B008 (frozen)
 ) -> Performance:
-    """Move a rig by a track: weights are smoothed, resampled, bound by name, cut to 0 to 1, then scaled.
+    """Move a rig by a track: weights are smoothed, resampled, bound by name, cut to 0 to 1, scaled, then limited.
 
     What only means something on top of another action goes no further than that: ``mouthClose`` undoes what ``jawOpen``
     opens, and alone would pull the chin over the lips. Nor does what closes lids with a blink go further than they are
@@ -112,7 +112,13 @@ def animate_rig(
     calm = smooth_weights(track.weights, track.times, settings.smooth)
     even, fps = resample_weights(replace(track, weights=calm, head=head), settings.fps)
     bound = bind_weights(even, rig.names)
-    scales = np.array([settings.scales.get(name, 1.0) for name in rig.names])
-    weights = scales * within_reach(np.clip(bound.weights, 0, 1), rig.names)
+    weights = within_reach(_scales(rig.names, settings.scales) * np.clip(bound.weights, 0, 1), rig.names)
     rotations = None if even.head is None else turn_head(even.head)
     return Performance(rig, Animation(even.times, weights, rotations), fps, bound, settings)
+
+
+def _scales(names: Sequence[str], given: Mapping[str, float]) -> np.ndarray:
+    """(K,) factors of expressions of a rig. given: some of them, by name."""
+    actions = {arkit_name(name): scale for name, scale in given.items()} | {None: 1.0}
+    starts = [STARTS.get(arkit_name(name) or "") for name in names]
+    return np.array([given.get(name, actions.get(start, 1.0)) for name, start in zip(names, starts, strict=True)])

@@ -12,7 +12,7 @@ from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.methods.session.tools import Tools
 from caricli.methods.session.work import Work
 from caricli.structures import HeadChoice, Part
-from caricli.structures.arkit import within_reach
+from caricli.structures.arkit import reachable
 
 DRESSED = HeadChoice(("skin", "teeth", "tongue", "lashes", "hair", "bust"))
 """What the page shows of a head beside its eyes."""
@@ -88,8 +88,8 @@ def _moved(rest: np.ndarray, names: Sequence[str], deltas: np.ndarray, work: Wor
     """
     if not work.weights:
         return rest
-    reached = within_reach(np.array([[*work.weights.values()]]), tuple(work.weights))[0]
-    moves = [w * deltas[names.index(name)] for name, w in zip(work.weights, reached, strict=True) if name in names]
+    reached = reachable(work.weights)
+    moves = [weight * deltas[names.index(name)] for name, weight in reached.items() if name in names]
     return rest + np.sum(moves, axis=0) if moves else rest
 
 

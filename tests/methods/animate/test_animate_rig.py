@@ -80,8 +80,10 @@ def test_lips_close_only_what_the_jaw_opens(rig):
     track = Track(names, np.arange(4) / 10, weights)
     closing = Rig(names, rig.mesh, rig.deltas)
     moving = animate_rig(closing, track, AnimationSettings(scales={"jawOpen": 0.5}))
-    expected = np.array([[0, 0], [0.5, 0.25], [0.3, 0.25], [1, 0.5]])
+    expected = np.array([[0, 0], [0.25, 0.25], [0.15, 0.25], [0.5, 0.5]])
     np.testing.assert_allclose(moving.animation.weights, expected, atol=1e-12)
+    wide = animate_rig(closing, track, AnimationSettings(scales={"jawOpen": 2.0, "mouthClose": 1.0}))
+    np.testing.assert_allclose(wide.animation.weights, [[0, 0], [0.7, 1], [0.3, 1], [1, 2]], atol=1e-12)
     alone = animate_rig(Rig(("mouthClose", "open"), rig.mesh, rig.deltas), track)
     np.testing.assert_allclose(alone.animation.weights[:, 0], [0.7, 0.7, 0.3, 1], atol=1e-12)
 

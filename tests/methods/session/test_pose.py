@@ -41,6 +41,10 @@ def test_lids_squint_only_as_far_as_a_blink_leaves_them_open(poser, start):
     assert np.abs(squint - start.face.vertices).max() > 1e-3
 
 
+def test_lips_of_a_closed_jaw_have_nothing_to_close(poser, start):
+    np.testing.assert_allclose(poser.vertices(replace(start, weights={"mouthClose": 1.0})), start.face.vertices)
+
+
 def test_another_face_has_its_own_expressions_and_parts(poser, start):
     laughing = replace(start, weights={"jawOpen": 1.0})
     before = poser.vertices(laughing)
