@@ -47,6 +47,7 @@ def command(face, script, out, head, levels, overwrite):
     from caricli.io.session import read_session
     from caricli.methods.edit.refined_sheet import refined_sheet
     from caricli.methods.session.play_gestures import play_gestures
+    from caricli.methods.session.pose import Poser
     from caricli.store.drawings import load_drawing
     from caricli.store.face_files import write_face_result
     from caricli.store.session_tools import SessionTools, load_start
@@ -58,18 +59,22 @@ def command(face, script, out, head, levels, overwrite):
         start = load_start(face, tools)
         with naming(script):
             history = play_gestures(start, session.operations, tools)
-        about = {"model_id": tools.model.model_id, "subdivide": levels} | _figures(history, start)
-        draw = partial(refined_sheet, start.face, history.work.face, drawing)
+            refined = Poser(tools).face(history.work)
+        about = {"model_id": tools.model.model_id, "subdivide": levels} | _figures(history, start.face, refined)
+        draw = partial(refined_sheet, start.face, refined, drawing)
         description = provenance("refine-gesture", [face, script], **about)
-        write_face_result(files, history.work.face, drawing, description, draw)
+        write_face_result(files, refined, drawing, description, draw)
     echo_result(f"{out}: {len(about['operations'])} operations, moved at most {1000 * about['moved']:.1f} mm")
 
 
-def _figures(history, start):
-    """What the report says: the operations that were done, and the longest way of a vertex in metres."""
+def _figures(history, before, after):
+    """What the report says: the operations that were done, and the longest way of a vertex in metres.
+
+    before, after: EncodedFaces.
+    """
     import numpy as np
 
     from caricli.io.session import operation_to_json
 
-    moved = np.linalg.norm(history.work.face.vertices - start.face.vertices, axis=1).max()
+    moved = np.linalg.norm(after.vertices - before.vertices, axis=1).max()
     return {"operations": [operation_to_json(each) for each in history.done], "moved": float(moved)}

@@ -47,6 +47,17 @@ def test_it_refines_a_face(run, files, head_template, tmp_path):
     assert read_image(out.with_suffix(".png")).std() > 0
 
 
+def test_an_expression_is_in_what_is_written(run, files, tmp_path):
+    folder, vertices = files
+    write_session(tmp_path / "jaw.json", Session(None, (Operation("expression", {"weights": {"jawOpen": 1.0}}),)))
+    out = tmp_path / "open.obj"
+    words = ("--script", tmp_path / "jaw.json", "--no-picture", "--out", out)
+    assert run("refine-gesture", folder / "face.npz", *words).exit_code == 0
+    moved = np.linalg.norm(read_obj(out).vertices - vertices, axis=1).max()
+    assert moved > 0.02
+    assert json.loads(out.with_suffix(".json").read_text())["moved"] == pytest.approx(moved, abs=1e-5)
+
+
 def test_the_same_script_gives_the_same_bytes(run, files, tmp_path):
     folder, _ = files
     for name in ("one", "two"):
