@@ -17,7 +17,7 @@ from caricli.commands.shared.options import (
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
-from caricli.errors import naming
+from caricli.errors import InputError, naming, shown
 from caricli.io.face import read_face
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import read_image
@@ -140,6 +140,8 @@ class RigTask:
             require_usd(out.with_suffix(".usdz"))
         expressions, template_files = load_templates(self.templates)
         given = read_face(face)
+        if given.mesh.uvs is None and (self.texture or self.moods):
+            raise InputError(f"{shown(face)}: expected a face with UVs for its picture, found one without")
         pictures = picture_sources(face, self.texture)
         inputs = [face, *pictures.files, *self.moods.values(), *template_files]
         settings = RigSettings(self.levels, self.head, self.seed)

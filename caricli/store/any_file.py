@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -123,8 +124,10 @@ def files_beside(path: Path) -> list[str]:
         return []
     names = {other.name for other in path.parent.iterdir() if other.stem == path.stem and other.name != path.name}
     if path.suffix.lower() == ".obj":
-        pictures = [picture for picture in material_pictures(path).values() if picture.is_file()]
-        names |= {picture.relative_to(path.parent).as_posix() for picture in pictures}
+        # What is told of a file does not end where its materials cannot be read.
+        with suppress(InputError):
+            pictures = [picture for picture in material_pictures(path).values() if picture.is_file()]
+            names |= {picture.relative_to(path.parent).as_posix() for picture in pictures}
     return sorted(names)
 
 

@@ -341,11 +341,8 @@ class TestRefused:
         check("scan.obj: expected a PNG", options=("--templates", scans, "--texture", target))
         write_obj(target, read_obj(target), texture="none.png")
         check("none.png")
-        material = target.with_suffix(".mtl")
-        material.write_text("map_Kd ../secret.png\n")
+        target.with_suffix(".mtl").write_text("map_Kd ../secret.png\n")
         check("scan.mtl: expected the name of a file beside it", "secret.png")
-        material.unlink()
-        check("scan.mtl")
 
 
 def test_the_table_of_action_units():
@@ -359,3 +356,14 @@ def test_the_table_of_action_units():
         assert len(set(row["action_units"])) == len(row["action_units"]), name
         other = name.replace("Left", "#").replace("Right", "Left").replace("#", "Right")
         assert name == other or (row["facs46"] is None) == (table[other]["facs46"] is None), name
+
+
+@pytest.mark.parametrize("options", [("--texture",), ("--mood", "sad")])
+def test_a_picture_for_a_face_without_uvs_is_refused(refused, head_template, tmp_path, options):
+    write_obj(tmp_path / "bare.obj", Mesh(head_template.vertices, head_template.polygons))
+    write_png(tmp_path / "skin.png", np.zeros((4, 4, 3), np.uint8))
+    *words, last = options
+    given = [*words, f"{last}={tmp_path / 'skin.png'}"]
+    told = refused("rig", tmp_path / "bare.obj", *given, "--out", tmp_path / "rig.glb")
+    assert "bare.obj: expected a face with UVs for its picture, found one without" in told
+    assert not (tmp_path / "rig.glb").exists()

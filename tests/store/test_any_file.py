@@ -145,6 +145,8 @@ def test_what_lies_beside_a_file(small, tmp_path):
     (tmp_path / "other.npz").write_bytes(b"PK")
     assert files_beside(tmp_path / "face.obj") == ["face.mtl", "face.npz", "skin.png"]
     assert files_beside(tmp_path) == []
+    (tmp_path / "face.mtl").write_bytes(b"newmtl a\nmap_Kd ../secret.png\n")
+    assert files_beside(tmp_path / "face.obj") == ["face.mtl", "face.npz"]
 
 
 def test_bundled_models_are_known():

@@ -17,13 +17,14 @@ def material_pictures(path: str | Path) -> dict[str, Path]:
     """Find the diffuse pictures of an OBJ file: every `map_Kd` of its first `mtllib`, all in the OBJ's own folder or in
     folders below it.
 
-    Returns paths of pictures by the name of their material, in the file's order; none for any other kind of file.
+    Returns paths of pictures by the name of their material, in the file's order; none for any other kind of file, and
+    where the library is not there, as where a mesh was copied alone.
     Raises InputError when a file cannot be read, or a name leads out of the folder.
     """
     if Path(path).suffix.lower() != ".obj":
         return {}
     library = next(iter(_named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path).values()), None)
-    if library is None:
+    if library is None or not library.exists():
         return {}
     return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
 
@@ -46,8 +47,8 @@ def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:
 
 def _below(folder: Path, name: str) -> Path:
     """The file in a folder or below it to which a name leads. Raises InputError where it may lead elsewhere."""
-    # MeshLab writes ./ before the name.
-    parts = name.removeprefix("./").split("/")
+    # MeshLab writes ./ before the name, and programs of Windows its separators.
+    parts = name.replace("\\", "/").removeprefix("./").split("/")
     place = folder.joinpath(*parts)
     if not all(part and is_plain(part) for part in parts) or not _is_inside(place.parent, folder):
         raise InputError(f"expected the name of a file beside it or below its folder, found {shown(name, 80)!r}")

@@ -48,7 +48,7 @@ def test_nothing_named_is_no_picture(written, obj, mtl):
 
 
 @pytest.mark.parametrize(
-    "name", [b"../x", b"/etc/x", b"a/../../x", b"a/..", b"a//b", b"./", b"a\\b", b"C:x", b"..", b"a\0b"]
+    "name", [b"../x", b"/etc/x", b"a/../../x", b"a/..", b"a//b", b"./", b"..\\x", b"C:x", b"..", b"a\0b"]
 )
 def test_a_name_that_leads_out_of_the_folder_is_refused(written, name):
     with pytest.raises(
@@ -78,5 +78,15 @@ def test_a_folder_below_that_leads_elsewhere_is_refused(written, tmp_path, tmp_p
 def test_files_that_cannot_be_read_are_named(written, tmp_path):
     with pytest.raises(InputError, match=r"none\.obj"):
         material_pictures(tmp_path / "none.obj")
+    (tmp_path / "face.mtl").mkdir()
     with pytest.raises(InputError, match=r"face\.mtl"):
         material_pictures(written(b"mtllib face.mtl\n"))
+
+
+def test_a_mesh_that_was_copied_alone_has_no_pictures(written):
+    assert material_pictures(written(b"mtllib face.mtl\n")) == {}
+
+
+def test_names_as_windows_writes_them_are_those_of_files_below(written, tmp_path):
+    pictures = material_pictures(written(b"mtllib .\\face.mtl\n", b"map_Kd tex\\skin.png\n"))
+    assert pictures == {"": tmp_path / "tex" / "skin.png"}
