@@ -8,6 +8,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.bundled import asset_path
 from caricli.io.config import read_yaml
 from caricli.limits import MAX_SHAPES
+from caricli.structures.arkit import OPPOSITES
 
 NEUTRAL = "neutral"
 """Name of the expression without actions."""
@@ -30,6 +31,8 @@ def expand_sides(weights: Mapping[str, float], action_names: Collection[str]) ->
         sides = [n for n in (name, name + "Left", name + "Right") if n in action_names]
         if not sides:
             raise InputError(f"no ARKit action is named {name!r}")
+        if len(sides) == 2 and OPPOSITES.get(sides[0]) == sides[1]:
+            raise InputError(f"{name!r}: {sides[0]} and {sides[1]} undo each other; name one of them")
         expanded.update(dict.fromkeys(sides, float(weight)))
     return expanded | {name: float(weight) for name, weight in weights.items() if name in action_names}
 

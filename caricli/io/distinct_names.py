@@ -14,9 +14,11 @@ def distinct_names(paths: Sequence[Path], between: str = "/") -> list[str]:
     stems = [path.stem for path in paths]
     if len(set(stems)) == len(stems):
         return stems
-    root = os.path.commonpath([path.parent.absolute() for path in paths])
-    below = [path.absolute().relative_to(root) for path in paths]
+    # Without its dots, which would be names.
+    places = [Path(os.path.abspath(path)) for path in paths]
+    root = os.path.commonpath([place.parent for place in places])
+    below = [place.relative_to(root) for place in places]
     # From the end, because a folder may lie deeper than another.
-    places = [*zip_longest(*(reversed((*path.parent.parts, path.stem)) for path in below))]
-    columns = [parts for parts in reversed(places) if len(set(parts)) > 1] or [tuple(stems)]
+    levels = [*zip_longest(*(reversed((*path.parent.parts, path.stem)) for path in below))]
+    columns = [parts for parts in reversed(levels) if len(set(parts)) > 1] or [tuple(stems)]
     return [between.join(filter(None, parts)) or stem for *parts, stem in zip(*columns, stems, strict=True)]

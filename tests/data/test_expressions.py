@@ -2,8 +2,15 @@ import pytest
 
 from caricli.data.expressions import expand_sides, named_expressions, read_expressions, single_expressions
 from caricli.errors import InputError
+from caricli.structures.arkit import ARKIT_NAMES
 
 NAMES = ("jawOpen", "mouthSmileLeft", "mouthSmileRight", "browDownLeft", "browDownRight")
+
+
+def test_a_name_whose_sides_undo_each_other_is_refused():
+    for name in ("jaw", "mouth"):
+        with pytest.raises(InputError, match=f"'{name}': {name}Left and {name}Right undo each other"):
+            expand_sides({name: 1.0}, ARKIT_NAMES)
 
 
 def test_a_name_without_a_side_stands_for_both():
