@@ -17,6 +17,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_unread,
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
@@ -126,6 +127,7 @@ def command(
     from caricli.store.face_pictures import FaceReader, seen_files
 
     _check_usage(method, reconstruct, weights)
+    refuse_unread([source])
     painting = load_network(network, dynamic)
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
     tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")

@@ -15,6 +15,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_unread,
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option
@@ -54,6 +55,7 @@ def command(ctx, pictures, out, out_dir, image, network, alone, model, detector,
     from caricli.commands.shared.landmark_batch import LandmarkFiles
     from caricli.store.face_pictures import FaceReader
 
+    refuse_unread(pictures, image)
     files = LandmarkFiles(pictures, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
     task = replace(network_task(files, model, network, alone), levels=levels, head=head)
     run_batch(ctx, files.jobs(), task.run, "faces")

@@ -16,6 +16,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_unread,
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option
@@ -87,6 +88,7 @@ def command(
 
     if identity is not None and not expression_only:
         raise click.UsageError("--identity needs --expression-only.")
+    refuse_unread(landmarks, image)
     files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite)
     task = morphable_task(files, model, MorphableWeights(*weights), expression_only, identity, photometric)
     run_batch(ctx, files.jobs(), replace(task, levels=levels, head=head).run, "faces")

@@ -16,6 +16,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_unread,
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option
@@ -99,6 +100,7 @@ def command(
 
     if parsing and outline == "none":
         raise UsageError("--parsing says where ears are, and --outline none looks for none: give one of them")
+    refuse_unread(landmarks, image)
     files = LandmarkFiles(landmarks, out, out_dir, image, FaceReader(detector, pts_origin), overwrite, parsing)
     task = replace(elastic_task(files, model, method, prior_weight, outline), levels=levels, head=head)
     run_batch(ctx, files.jobs(), task.run, "faces")

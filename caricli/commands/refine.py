@@ -22,6 +22,7 @@ from caricli.commands.shared.options import (
     out_option,
     overwrite_option,
     pts_origin_option,
+    refuse_unread,
     subdivide_option,
 )
 from caricli.commands.shared.picture import picture_option, write_picture
@@ -88,6 +89,7 @@ def command(
       caricli refine face.npz landmarks.json --image drawing.png --out refined.obj
       caricli refine face.npz landmarks.json --parsing labels.png --out refined.obj
     """
+    refuse_unread([landmarks])
     settings = RefineSettings(weight, laplacian)
     task = RefineTask(image, parsing, settings, model, pts_origin, head, levels, overwrite, detector)
     echo_result(task.run(face, landmarks, out))

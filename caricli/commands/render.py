@@ -1,7 +1,6 @@
 """caricli render: shaded pictures of faces."""
 
 from dataclasses import replace
-from itertools import chain
 
 import click
 
@@ -98,11 +97,12 @@ def command(paths, out, views, frames, size, columns, image, head, overwrite):
     with staged(out, overwrite=overwrite, inputs=(*paths, image)) as (temporary,):
         if image is None:
             faces = [_whole(path, head) for path in paths]
-            picture = _draw(temporary, faces, _labels(paths), settings)
+            width, height = _draw(temporary, faces, _labels(paths), settings)
         else:
             picture = _overlay(read_face(paths[0]), paths[0], head, image)
             write_png(temporary, picture)
-    echo_result(f"{shown(out)}: {picture.shape[1]} x {picture.shape[0]} pixels, faces: {len(paths)}")
+            height, width, _ = picture.shape
+    echo_result(f"{shown(out)}: {width} x {height} pixels, faces: {len(paths)}")
 
 
 def _labels(paths):
@@ -137,7 +137,7 @@ def _check_use(count, film, views, frames, image):
 
 
 def _draw(path, faces, names, settings):
-    """Write a sheet, or a film where the name of the file says so; returns the sheet or the first frame."""
+    """Write a sheet, or a film where the name of the file says so; returns its width and height."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.io.video import write_video
     from caricli.render.sheets.face_sheet import face_sheet, turning_faces
@@ -146,11 +146,8 @@ def _draw(path, faces, names, settings):
         if path.suffix.lower() == ".png":
             picture = face_sheet(faces, names, settings)
             write_png(path, picture)
-            return picture
-        pictures = turning_faces(faces, names, settings, report)
-        first = next(pictures)
-        write_video(path, chain([first], pictures), FPS)
-        return first
+            return picture.shape[1], picture.shape[0]
+        return write_video(path, turning_faces(faces, names, settings, report), FPS)
 
 
 def _check_size(out, pictures, size):

@@ -23,6 +23,7 @@ from caricli.commands.shared.options import (
     overwrite_option,
     pts_origin_option,
     refuse_typed,
+    refuse_unread,
 )
 from caricli.commands.shared.picture import no_picture_option, write_picture
 from caricli.commands.shared.redrawing import Redrawing, RedrawPaths, film_files
@@ -137,6 +138,7 @@ def command(
 
     paths = RetargetPaths(rig, drivers, neutral, out, out_dir, animation, RedrawPaths(picture, parsing, film), network)
     jobs = paths.jobs()
+    refuse_unread(drivers, picture)
     given = {"overwrite": overwrite, "inputs": (*paths.inputs, model, detector)}
     paths.check_outputs(given)
     painting = load_network(network, dynamic)

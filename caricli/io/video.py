@@ -21,13 +21,14 @@ VIDEO_SUFFIXES = (".mp4", ".gif")
 _MAX_GIF_FPS = 50  # shorter frames are shown a tenth of a second by browsers
 
 
-def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> None:
-    """Write a video; an odd width or height is made even by repeating the last column or row.
+def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> tuple[int, int]:
+    """Write a video; of an MP4 an odd width or height is made even by repeating the last column or row.
 
     Frames are taken one at a time; an MP4 keeps none of them, a GIF its own, each with its palette. An MP4 is H.264 as
     browsers play it (yuv420p, BT.709, its index first).
     path: ends in .mp4 or .gif. frames: (H,W,3) uint8 RGB of one size. fps: frames a second, above 0, for a GIF at most
     50.
+    Returns width and height of its frames.
     Raises OutputError when the name ends otherwise, the rate is none, there is no frame, the sizes differ, no encoder
     can be opened, or the file cannot be written.
     """
@@ -39,18 +40,25 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> N
     if not 0 < fps <= most:
         expected = f"above 0 and at most {most} frames a second for {suffix}"
         raise OutputError(f"{shown(path)}: expected {expected}, found {fps:g}; give another --fps")
-    even = _even(frames, path)
-    first = next(even, None)
+    checked = _checked(frames, path)
+    if suffix == ".mp4":
+        checked = map(_even, checked)
+    first = next(checked, None)
     if first is None:
         raise OutputError(f"{shown(path)}: expected at least one frame, found none")
     with writing(path):
         if suffix == ".gif":
-            _write_gif(path, chain([first], even), fps)
+            _write_gif(path, chain([first], checked), fps)
         else:
-            _write_mp4(path, chain([first], even), first.shape, fps)
+            _write_mp4(path, chain([first], checked), first.shape, fps)
+    return first.shape[1], first.shape[0]
 
 
-def _even(frames: Iterable[np.ndarray], path: str | Path) -> Iterator[np.ndarray]:
+def _even(frame: np.ndarray) -> np.ndarray:
+    return np.pad(frame, ((0, frame.shape[0] % 2), (0, frame.shape[1] % 2), (0, 0)), "edge")
+
+
+def _checked(frames: Iterable[np.ndarray], path: str | Path) -> Iterator[np.ndarray]:
     shape: tuple[int, ...] | None = None
     for frame in frames:
         if frame.dtype != np.uint8 or frame.ndim != 3 or frame.shape[2] != 3 or 0 in frame.shape:
@@ -58,7 +66,7 @@ def _even(frames: Iterable[np.ndarray], path: str | Path) -> Iterator[np.ndarray
         if shape not in (None, frame.shape):
             raise OutputError(f"{shown(path)}: expected frames of one size, found {shape} and {frame.shape}")
         shape = frame.shape
-        yield np.pad(frame, ((0, shape[0] % 2), (0, shape[1] % 2), (0, 0)), "edge")
+        yield frame
 
 
 def _write_mp4(path: str | Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], fps: float) -> None:

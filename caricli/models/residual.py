@@ -7,13 +7,13 @@ from torch import nn
 from torch.nn import functional
 
 
-class Residual(nn.Module):
-    """Two convolutions that add to what goes in (He et al. 2016)."""
+class _Adding(nn.Module):
+    """Convolutions that add to what goes in (He et al. 2016)."""
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, width: int, first: nn.Module, second: nn.Conv2d) -> None:
         super().__init__()
-        self.first = unit(width, width)
-        self.second = nn.Conv2d(width, width, 3, padding=1, bias=False)
+        self.first = first
+        self.second = second
         self.norm = nn.BatchNorm2d(width)
 
     def forward(self, values: torch.Tensor) -> torch.Tensor:
@@ -21,18 +21,19 @@ class Residual(nn.Module):
         return functional.relu(values + self.norm(self.second(self.first(values))))
 
 
-class Bottleneck(nn.Module):
-    """Three convolutions that add to what goes in, the middle one a quarter as wide, as of a ResNet-50."""
+class Residual(_Adding):
+    """Two convolutions."""
 
     def __init__(self, width: int) -> None:
-        super().__init__()
-        self.first = nn.Sequential(unit(width, width // 4, kernel=1), unit(width // 4, width // 4))
-        self.second = nn.Conv2d(width // 4, width, 1, bias=False)
-        self.norm = nn.BatchNorm2d(width)
+        super().__init__(width, unit(width, width), nn.Conv2d(width, width, 3, padding=1, bias=False))
 
-    def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """(B, C, H, W) to the same."""
-        return functional.relu(values + self.norm(self.second(self.first(values))))
+
+class Bottleneck(_Adding):
+    """Three convolutions, the middle one a quarter as wide, as of a ResNet-50."""
+
+    def __init__(self, width: int) -> None:
+        narrow = nn.Sequential(unit(width, width // 4, kernel=1), unit(width // 4, width // 4))
+        super().__init__(width, narrow, nn.Conv2d(width // 4, width, 1, bias=False))
 
 
 def unit(inputs: int, outputs: int, kernel: int = 3, stride: int = 1) -> nn.Sequential:
@@ -87,5 +88,5 @@ def start_convolutions(network: nn.Module, generator: torch.Generator | None) ->
             nn.init.kaiming_normal_(module.weight, nonlinearity="relu", generator=generator)
             if module.bias is not None:
                 nn.init.zeros_(module.bias)
-        if isinstance(module, Residual | Bottleneck):
+        if isinstance(module, _Adding):
             nn.init.zeros_(module.norm.weight)

@@ -14,6 +14,7 @@ import click
 from click.core import ParameterSource
 
 from caricli.errors import UsageError, shown
+from caricli.io.image import is_image_file
 from caricli.io.parse_number import parse_number, parse_whole
 
 PATH = click.Path(path_type=Path)
@@ -84,6 +85,18 @@ def refuse_typed(message: str, *names: str) -> None:
     context = click.get_current_context()
     if any(context.get_parameter_source(name) is ParameterSource.COMMANDLINE for name in names):
         raise click.UsageError(message)
+
+
+def refuse_unread(paths: Sequence[Path], image: Path | None = None) -> None:
+    """Refuse --detector where there is no picture, and --pts-origin where there are no .pts files.
+
+    paths: of pictures, landmarks or meshes. image: path of the picture of landmarks, or None. Raises click.UsageError.
+    """
+    # What is not there is told when it is read.
+    if image is None and not any(is_image_file(path) or not path.is_file() for path in paths):
+        refuse_typed("--detector is for pictures.", "detector")
+    if all(path.suffix.lower() != ".pts" for path in paths):
+        refuse_typed("--pts-origin is for .pts files.", "pts_origin")
 
 
 def named_numbers(

@@ -33,7 +33,7 @@ def require_usd(path: str | Path) -> None:
 def write_usd(path: str | Path, rig: Rig) -> None:
     """Write a rig as USDZ: metres, +y up, +z front, polygons as they are, UVs by corner.
 
-    Skin and eyes are subsets of faces with a material each (`UsdPreviewSurface`), whose picture is inside the file.
+    What has a material of its own is a subset of faces with it (`UsdPreviewSurface`), whose picture is inside the file.
     Every shape is a `UsdSkel.BlendShape` of only the vertices that move, with the change of their normals. Names that
     USD does not take for a prim are changed for the prim; the token in ``skel:blendShapes`` is the name itself.
     path: .usdz.
@@ -102,6 +102,8 @@ def _add_mesh(stage: Any, rig: Rig, normals: np.ndarray) -> Any:
     used = rig.mesh.polygons >= 0
     mesh = UsdGeom.Mesh.Define(stage, "/head/mesh")
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    # A shell of hair is seen from inside, too, and sides are the mesh's, not a material's.
+    mesh.CreateDoubleSidedAttr(Material.HAIR in rig.triangle_materials)
     mesh.CreatePointsAttr(_vectors(neutral))
     mesh.CreateNormalsAttr(_vectors(normals))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)

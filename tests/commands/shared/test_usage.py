@@ -31,6 +31,17 @@ FOLDER = Path(caricli.__file__).parent / "commands"
             ["texture", "f.npz", "p.png", "--out", "d", "--project-uv", *more]
             for more in (["--size", "512"], ["--keep-light"], ["--hair", "shell"])
         ),
+        *(
+            [*words, *idle]
+            for words in (
+                ["reconstruct-from-landmarks", __file__, "--out", "a.obj"],
+                ["refine", "f.npz", __file__, "--out", "a.obj"],
+                ["fit-morphable", __file__, "--out", "a.obj"],
+                ["blendshapes", __file__, "--out", "b.npz"],
+                ["retarget", "b.npz", __file__, "--out", "a.obj"],
+            )
+            for idle in (["--detector", "d.safetensors"], ["--pts-origin", "0"])
+        ),
         ["render", "face.npz", "-o", "a.png", "--views", "above"],
         ["render", "face.npz", "-o", "a.png", "--size", "4096", "--views", "turntable", "--frames", "360"],
         ["render", "a.npz", "b.npz", "-o", "a.png", "--image", "c.png"],
