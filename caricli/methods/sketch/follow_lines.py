@@ -26,18 +26,17 @@ class LineFollower:
         # All of it is read for every face: in single precision that takes half the time.
         self.influence = influence.astype(np.float32)
 
-    def follow(self, vertices: np.ndarray, camera: Camera, places: np.ndarray, share: float = 1.0) -> np.ndarray:
+    def follow(self, vertices: np.ndarray, camera: Camera, places: np.ndarray) -> np.ndarray:
         """Vertices (V, 3) with the handles at their places in the picture, at the depth that they have.
 
         vertices: (V, 3). camera: Camera that sees them. places: (H, 2) pixels, NaN where nothing was drawn.
-        share: of the way.
         """
         met = np.isfinite(places).all(axis=1)
         if not met.any():
             return vertices
         own = vertices[self.handles.vertices]
         moves = np.zeros_like(own)
-        moves[met] = share * (camera.lift(places[met], own[met]) - own[met])
+        moves[met] = camera.lift(places[met], own[met]) - own[met]
         if not met.all():
             free = ~met
             factor = cho_factor(self.forces[np.ix_(free, free)])

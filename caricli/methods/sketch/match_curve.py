@@ -37,7 +37,7 @@ def match_curve(curve: FeatureCurve, own: np.ndarray, line: np.ndarray, alone: b
         return _along(curve, own, curve.marks, line, alone)
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
     if np.linalg.norm(line[0] - line[-1]) < _GAP * length:
-        return match_line(own, _ring_from(own, line), whole=True)
+        return _around(own, line)
     # Open it where nothing was drawn: opposite of the middle of the line.
     ring = own[:-1]
     nearest = _nearest(ring, resample(line, _SAMPLES))
@@ -125,18 +125,37 @@ def _same_way(own: np.ndarray, line: np.ndarray) -> np.ndarray:
     return line[::-1] if backwards else line
 
 
-def _ring_from(own: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """A closed line in the direction of a closed curve own (K, 2), from where this begins."""
-    ring = line if (line[0] == line[-1]).all() else np.concatenate([line, line[:1]])
+def _around(own: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """(K, 2) places of a closed curve own (K, 2) along a closed line.
+
+    Where it begins is told by the boxes around both, so that nothing hangs on where the line does.
+    """
+    ring = _closed(line)
     if _area(ring) * _area(own) < 0:
         ring = ring[::-1]
-    dense = resample(ring, 16 * _SAMPLES)[:-1]
     low = own.min(0)
     size = np.maximum(np.ptp(own, axis=0), 1e-9)
-    start = dense.min(0) + (own[0] - low) / size * np.ptp(dense, axis=0)
-    first = int(_nearest(dense, start[None])[0])
-    turned = np.roll(dense, -first, axis=0)
-    return np.concatenate([turned, turned[:1]])
+    guess = ring.min(0) + (own[0] - low) / size * np.ptp(ring, axis=0)
+    return match_line(own, _cut(ring, guess), whole=True)
+
+
+def _closed(line: np.ndarray) -> np.ndarray:
+    """A line whose ends are near to each other as a ring, without what goes beyond its beginning."""
+    dense = resample(line, 16 * _SAMPLES + 1)
+    end = round(_GAP * len(dense))
+    gaps = np.linalg.norm(dense[:end, None] - dense[-end:], axis=-1)
+    first, last = np.unravel_index(gaps.argmin(), gaps.shape)
+    ring = dense[first : len(dense) - end + last + 1]
+    return np.concatenate([ring, ring[:1]])
+
+
+def _cut(ring: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """A ring from where it is nearest to a place, and back to there."""
+    way = np.diff(ring, axis=0)
+    along = ((place - ring[:-1]) * way).sum(1) / np.maximum((way**2).sum(1), 1e-12)
+    feet = ring[:-1] + np.clip(along, 0, 1)[:, None] * way
+    k = int(np.linalg.norm(feet - place, axis=1).argmin())
+    return np.concatenate([feet[k : k + 1], ring[k + 1 :], ring[1 : k + 1], feet[k : k + 1]])
 
 
 def _area(ring: np.ndarray) -> float:

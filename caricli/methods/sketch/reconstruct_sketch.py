@@ -52,8 +52,9 @@ class SketchFit:
     were followed and after. worst: the same, the largest distance. flipped: share of triangles that are turned over.
     prior_rms: root mean square of the whitened latent before lines were followed, about 1 for a typical face. share: of
     the way to the lines. asked: the share that was asked for, more than ``share`` where that would tear the surface.
-    unsure: share of the strokes that do not say what they draw and seem to draw no line of a face. left: curves whose
-    strokes were left again, because no face that meets the others comes near them.
+    unsure: share of the strokes that do not say what they draw and seem to draw no line of a face. doubted: mean
+    distance of the likeliest face from the lines, percent of the canvas, from which on it is doubtful that they show
+    one. left: curves whose strokes were left again, because no face that meets the others comes near them.
     """
 
     face: Face
@@ -67,12 +68,13 @@ class SketchFit:
     share: float
     asked: float
     unsure: float
+    doubted: float
     left: tuple[str, ...] = ()
 
     @property
     def strange(self) -> bool:
         """Whether the likeliest face is so far from the lines that it is doubtful whether they show one."""
-        return self.coarse["all"] > FollowSettings().strange * self.scale
+        return self.coarse["all"] > self.doubted
 
     @property
     def scale(self) -> float:
@@ -125,6 +127,17 @@ def _contradicting(sketch: Sketch, fit: SketchFit) -> str | None:
     return max(far, key=lambda curve: far[curve]) if far else None
 
 
+def _without(named: Sketch, curve: str, sketch: Sketch) -> Sketch:
+    """A named sketch whose strokes of a curve are left, of the kinds that they had in the sketch without names."""
+    kinds = {stroke.points.tobytes(): stroke.kind for stroke in sketch.strokes}
+    return named.with_strokes(
+        replace(stroke, curve=None, kind=kinds.get(stroke.points.tobytes(), StrokeKind.UNKNOWN))
+        if stroke.curve == curve
+        else stroke
+        for stroke in named.strokes
+    )
+
+
 class SketchReconstruction:
     """From sketches to faces of one model; what does not depend on a sketch is solved once.
 
@@ -173,10 +186,7 @@ class SketchReconstruction:
             curve = _contradicting(sketch, fit)
             if curve is None:
                 break
-            named = named.with_strokes(
-                replace(stroke, curve=None, kind=StrokeKind.UNKNOWN) if stroke.curve == curve else stroke
-                for stroke in named.strokes
-            )
+            named = _without(named, curve, sketch)
             fit = replace(self._fit(sketch, named, share), left=(*fit.left, curve))
         return fit
 
@@ -191,8 +201,8 @@ class SketchReconstruction:
         face, followed = self._sound(coarse, places, share)
         likely = _means(_distances(lines, before, max(sketch.size)))
         # What is far from its lines is doubted as such; the rest of a scribble may lie near to a face by chance.
-        strange = self._settings.strange * _scale(before, max(sketch.size))
-        if unsure > _UNSURE and share and not followed and likely["all"] <= strange:
+        doubted = self._settings.strange * _scale(before, max(sketch.size))
+        if unsure > _UNSURE and share and not followed and likely["all"] <= doubted:
             raise InputError("expected lines of a face, found most of them none of it and the others tearing it apart")
         landmarks = camera.project(face.vertices[self.model.template.annotation.landmarks])
         after = self._curves(face)
@@ -209,6 +219,7 @@ class SketchReconstruction:
             share=followed,
             asked=share,
             unsure=unsure,
+            doubted=doubted,
         )
 
     def _sound(self, coarse: Face, places: np.ndarray, share: float) -> tuple[Face, float]:

@@ -58,6 +58,18 @@ def test_a_closed_curve_may_begin_anywhere(sketch, handles, own, shift):
     assert gaps.max() < 4 and gaps.mean() < 1
 
 
+@pytest.mark.parametrize("over", [0, 5])
+def test_an_outline_is_the_same_in_both_directions(sketch, handles, own, over):
+    """Also where a hand goes on beyond its beginning, and does not meet it."""
+    ring = sketch.points_by_curve()["silhouette"]
+    bent = ring + 3 * np.sin(np.arange(len(ring)))[:, None]
+    line = np.concatenate([bent, bent[1 : 1 + over] + [2, -2]])
+    there, back = (handles.places({"silhouette": [each]}, own) for each in (line, line[::-1]))
+    np.testing.assert_allclose(there, back, atol=1e-6)
+    moved = handles.places({"silhouette": [line + 1e-9 * np.sin(7 * np.arange(len(line)))[:, None]]}, own)
+    np.testing.assert_allclose(there, moved, atol=1e-6)
+
+
 def test_part_of_a_jaw_is_part_of_the_silhouette(sketch, handles, own):
     """The curve begins at the chin."""
     ring = sketch.points_by_curve()["silhouette"][:-1]

@@ -72,7 +72,7 @@ def test_lines_that_would_tear_the_surface_are_followed_less_far(model, coarse, 
     def fallen(stroke):
         if stroke.curve is None or not stroke.curve.startswith("brow"):
             return stroke
-        return stroke.moved(stroke.points + [0, 100])
+        return stroke.moved(stroke.points + [0, 130])
 
     careful = SketchReconstruction(model, coarse, settings=FollowSettings(torn=0.001))
     fit = careful.reconstruct(sketch.with_strokes(map(fallen, sketch.strokes)))
