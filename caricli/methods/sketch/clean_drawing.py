@@ -1,5 +1,7 @@
 """Drawings on paper, photographed or scanned, as clean lines."""
 
+from contextlib import suppress
+
 import numpy as np
 
 from caricli.errors import InputError
@@ -11,6 +13,9 @@ from caricli.methods.sketch.page_frames import page_frames
 from caricli.methods.sketch.settings import PaperSettings
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
+_RIM = 0.15
+"""Of a small drawing: how much paper around it is looked at, too."""
+
 
 def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> Sketch:
     """The lines of a drawing, in the middle of a canvas of CANVAS pixels; their kinds are not known.
@@ -18,10 +23,27 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     Uneven light, shadows and the paper's grain are taken off, what lies around the paper is left out, and the ink that
     is left is thinned to lines, areas to their outlines; a frame around the drawing is none.
 
-    image: (H, W, 3) uint8, dark lines on bright paper, or bright ones on dark.
+    image: (H, W, 3) uint8, dark lines on bright paper, or bright ones on dark. What is drawn on a small part of it is
+    looked at anew, from near.
     Raises InputError where there are no lines, or areas rather than lines, as in a photograph.
     """
     settings = settings or PaperSettings()
+    lines, side = _lines(image, settings)
+    box = _box(lines)
+    if np.ptp(box, axis=0).max() < settings.small * side:
+        # From so near a thick pen may be none any more.
+        with suppress(InputError):
+            lines, _ = _lines(_around(image, box * max(image.shape[:2]) / side), settings)
+            box = _box(lines)
+    zoom = settings.fill * CANVAS / max(float(np.ptp(box, axis=0).max()), 1.0)
+    aside = (CANVAS - 1) / 2 - zoom * box.mean(0)
+    strokes = tuple(Stroke(zoom * line.points + aside, width=max(zoom * line.width, 1.0)) for line in lines)
+    return Sketch(strokes)
+
+
+def _lines(image: np.ndarray, settings: PaperSettings) -> tuple[list[InkLine], int]:
+    """The lines of a picture (H, W, 3), at most so large as settings say, and the longer side that it has then, pixels.
+    Raises InputError as above."""
     gray = _smaller(image, settings.side)
     if _is_chalk(gray, settings):
         gray = 1 - gray
@@ -37,11 +59,21 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     lines = _together([line for number, line in enumerate(lines) if number not in frames], settings.stray * longer)
     if sum(_length(line) for line in lines) < 0.1 * longer:
         raise InputError("expected a drawing of lines on paper, found hardly any line")
+    return lines, longer
+
+
+def _box(lines: list[InkLine]) -> np.ndarray:
+    """(2, 2) the lower and the upper corner of the box around lines."""
     points = np.concatenate([line.points for line in lines])
-    zoom = settings.fill * CANVAS / max(float(np.ptp(points, axis=0).max()), 1.0)
-    aside = (CANVAS - 1) / 2 - zoom * (points.min(0) + points.max(0)) / 2
-    strokes = tuple(Stroke(zoom * line.points + aside, width=max(zoom * line.width, 1.0)) for line in lines)
-    return Sketch(strokes)
+    return np.stack([points.min(0), points.max(0)])
+
+
+def _around(image: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """What of a picture (H, W, 3) lies in a box (2, 2) of pixels, and around it."""
+    rim = _RIM * np.ptp(box, axis=0).max()
+    low = np.maximum(np.floor(box[0] - rim), 0).astype(int)
+    high = np.ceil(box[1] + rim).astype(int) + 1
+    return image[low[1] : high[1], low[0] : high[0]]
 
 
 def _smaller(image: np.ndarray, side: int) -> np.ndarray:
@@ -62,7 +94,7 @@ def _refuse_colours(image: np.ndarray, ink: np.ndarray, settings: PaperSettings)
 
     size = (min(image.shape[1], 128), min(image.shape[0], 128))
     small = cv2.resize(np.ascontiguousarray(image[..., :3]), size, interpolation=cv2.INTER_AREA)
-    bare = cv2.resize(ink.astype(np.uint8), size, interpolation=cv2.INTER_AREA) == 0
+    bare = cv2.resize(ink.astype(np.float32), size, interpolation=cv2.INTER_AREA) == 0
     lab = cv2.cvtColor(small, cv2.COLOR_RGB2LAB)[bare][:, 1:].astype(float)
     # The middle nine tenths, so that what else lies on the table does not count.
     if len(lab) and np.ptp(np.percentile(lab, (5, 95), axis=0), axis=0).max() > settings.colours:

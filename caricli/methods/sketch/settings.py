@@ -53,8 +53,8 @@ class PaperSettings:
     are at least. bold: how many times as dark as these what is drawn on ruled paper is at least. colours: how far, in
     steps of Lab, it may change its colour. table: how much brighter the paper is than what lies around it, where it is
     told from it. margin: of the sheet, what is left out at its edge. black: of the brightness around, that of what is
-    filled with ink and no shadow. dot: what is filled with ink of any darkness, as pupils are, at most. fill: of the
-    canvas, the longer side of the drawing.
+    filled with ink and no shadow. dot: what is filled with ink of any darkness, as pupils are, at most. small: of the
+    longer side, a drawing that is looked at from near. fill: of the canvas, the longer side of the drawing.
     """
 
     side: int = 1024
@@ -78,6 +78,7 @@ class PaperSettings:
     margin: float = 0.01
     black: float = 0.35
     dot: float = 0.1
+    small: float = 0.5
     fill: float = 0.86
 
 

@@ -185,6 +185,19 @@ def test_a_line_between_two_pale_ones_is_no_shadow(sketch):
     assert (KDTree(points_of(clean_drawing(picture))).query(points_of(sketch))[0] < 6).mean() > 0.9
 
 
+@pytest.mark.parametrize("fill", [0.2, 0.12])
+def test_a_small_drawing_on_a_large_page_is_read_as_one_that_fills_it(sketch, fill):
+    """Its lids and lips lie as near to each other as strokes of a line that was searched for."""
+    near = sketch.with_strokes(stroke.moved(128 + fill * (stroke.points - 128)) for stroke in sketch.strokes)
+    read = []
+    for drawing in (sketch, near):
+        page = 255 - rasterise_sketch(drawing, 1600, 2.0)
+        read.append(clean_drawing(np.repeat(page[..., None], 3, axis=2).astype(np.uint8)))
+    large, small = (np.concatenate([stroke.points for stroke in each.strokes]) for each in read)
+    assert len(read[1].strokes) >= 0.8 * len(read[0].strokes)
+    assert np.percentile(KDTree(small).query(large)[0], 95) < 3
+
+
 def test_chalk_on_a_blackboard(sketch):
     board = 255 - photograph(sketch, np.random.default_rng(2))
     assert (KDTree(points_of(clean_drawing(board))).query(points_of(sketch))[0] < 3).mean() > 0.9
