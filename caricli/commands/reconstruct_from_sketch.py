@@ -55,6 +55,7 @@ def command(ctx, sketches, out, out_dir, follow, coarse, network, image, model, 
     \b
     Example:
       caricli reconstruct-from-sketch sketch.json --out face.obj
+      caricli reconstruct-from-sketch photographed.jpg --out face.obj
       caricli reconstruct-from-sketch sketch.json --follow 0.5 --out face.obj
       caricli reconstruct-from-sketch sketches/*.json --out-dir faces
     """

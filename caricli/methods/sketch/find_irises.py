@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import permutations, product
+from itertools import product
 
 import numpy as np
 
@@ -76,8 +76,8 @@ def find_irises(strokes: Sequence[Stroke]) -> tuple[list[int], list[int]]:
     eyes = [(box, several) for box in boxes if box.is_round and (several := _eyes(box, boxes))]
     irises: list[_Box] = []
     rings: list[_Box] = []
-    for (iris, own), (other, others) in permutations(eyes, 2):
-        if _is_pair(iris, other) and _is_apart(own, other) and _is_apart(others, iris):
+    for iris, own in eyes:
+        if any(_is_pair(iris, other) and _is_apart(own, other) and _is_apart(others, iris) for other, others in eyes):
             irises.append(iris)
             nearest = min(own, key=lambda eye: max(line.size[0] for line in eye))
             rings += nearest if len(nearest) == 1 else ()

@@ -104,7 +104,8 @@ def unsure_share(sketch: Sketch, named: Sketch, handles: LineHandles) -> float:
         sum(stroke.curve is None and stroke.kind != StrokeKind.WRINKLE for stroke in each.strokes)
         for each in (_with_own_names(sketch, handles), named)
     ]
-    return counts[1] / counts[0] if counts[0] else 0.0
+    # A closed stroke that was taken for two may have been left as two.
+    return min(counts[1] / counts[0], 1.0) if counts[0] else 0.0
 
 
 def _with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
@@ -380,7 +381,8 @@ class _Naming:
         names = {number: stroke.curve for number, stroke in enumerate(strokes) if stroke.curve is not None}
         names |= {number: each.names[0] for number, each in self.chosen.items()}
         inner = [strokes[number].points for number, name in names.items() if not name.startswith(BESIDE)]
-        left = [number for number in self.numbers if number not in self.chosen]
+        may = np.isfinite(self.costs.part[:, c])
+        left = [number for s, number in enumerate(self.numbers) if number not in self.chosen and may[s]]
         number = find_outline([strokes[number].points for number in left], inner)
         if number is not None:
             self.chosen[left[number]] = self.candidates[c]

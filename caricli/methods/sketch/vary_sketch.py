@@ -53,7 +53,7 @@ class HandSettings:
     width: tuple[float, float] = (1.0, 3.2)
 
     def scaled(self, strength: float) -> "HandSettings":
-        """The same hand, so many times as careless; 0 draws the exact lines, centred."""
+        """The same hand, so many times as careless; 0 draws the lines centred, without their finest corners."""
         amounts = ("bend", "strays", "turn", "grow", "wobble", "tremor", "over", "hole", "beside", "aside")
         chances = ("bare", "overshot", "gap", "doubled", "pressed")
         values = {name: strength * getattr(self, name) for name in amounts}

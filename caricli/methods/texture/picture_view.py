@@ -214,6 +214,8 @@ class PictureView:
         """Pixels and depth (N, 3) of points (N, 3), as exact as these are."""
         camera = self.camera
         matrix = np.column_stack([camera.scale * camera.rotation, [*camera.translation, 0]])
+        if not len(points):
+            return np.zeros_like(points)
         # Of two threads that multiply matrices one waits for the other.
         return cv2.transform(np.ascontiguousarray(points)[None], matrix)[0]
 

@@ -83,7 +83,8 @@ def test_lips_close_only_what_the_jaw_opens(rig):
     expected = np.array([[0, 0], [0.25, 0.25], [0.15, 0.25], [0.5, 0.5]])
     np.testing.assert_allclose(moving.animation.weights, expected, atol=1e-12)
     wide = animate_rig(closing, track, AnimationSettings(scales={"jawOpen": 2.0, "mouthClose": 1.0}))
-    np.testing.assert_allclose(wide.animation.weights, [[0, 0], [0.7, 1], [0.3, 1], [1, 2]], atol=1e-12)
+    expected = np.array([[0, 0], [0.7, 1], [0.3, 1], [1, 2]])
+    np.testing.assert_allclose(wide.animation.weights, expected, atol=1e-12)
     alone = animate_rig(Rig(("mouthClose", "open"), rig.mesh, rig.deltas), track)
     np.testing.assert_allclose(alone.animation.weights[:, 0], [0.7, 0.7, 0.3, 1], atol=1e-12)
 

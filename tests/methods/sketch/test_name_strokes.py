@@ -127,6 +127,16 @@ def test_a_jaw_that_no_face_has_is_the_outline(sketch, handles, model):
     assert curves_of(named)[-1] == "silhouette" and named.strokes[-1].kind == StrokeKind.SILHOUETTE
 
 
+def test_a_line_that_says_it_is_no_outline_is_none(sketch, handles, model):
+    """A hat that goes around all features."""
+    features = [stroke for stroke in sketch.strokes if stroke.curve.startswith(("brow", "eye", "nose", "mouth"))]
+    turns = np.linspace(0, 2 * np.pi, 60)
+    ring = Stroke(128 + 120 * np.stack([np.cos(turns), np.sin(turns)], 1))
+    for kind, curve in ((StrokeKind.UNKNOWN, "silhouette"), (StrokeKind.FEATURE, None)):
+        named = name_strokes(Sketch((*features, replace(ring, kind=kind))), handles, model)
+        assert curves_of(named)[-1] == curve
+
+
 @pytest.mark.parametrize(
     "parts",
     [("eye_upper", "eye_lower", "mouth_upper", "mouth_lower"), ("eye_upper", "eye_lower", "nose_", "mouth"),
