@@ -9,6 +9,7 @@ import click
 import numpy as np
 
 from caricli.commands.shared.batch import named_jobs, run_batch
+from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.options import (
     PATH,
     FiniteRange,
@@ -98,6 +99,9 @@ class DetectTask:
             write_parsing(labels, detection.regions)
             write_json(about, self._report(source, detection))
             write_png(sheet, detection_sheet(picture, replace(detection, faces=faces)))
+        following = target.with_name(f"{target.stem}-{len(faces) + 1}.json")
+        if self.everyone and following.exists():
+            echo_notes(f"{shown(following)}: was there before, and is no face of {shown(source)}")
         return f"{shown(target)}: {_summary(faces, detection.faces)}"
 
     def _report(self, source: Path, detection: Any) -> dict:

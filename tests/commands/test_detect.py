@@ -85,6 +85,17 @@ def test_all_faces_are_written_where_they_are_asked_for(run, detector, pictures,
     assert len(set(sides)) == 2
 
 
+def test_a_face_of_an_earlier_picture_is_named(run, detector, pictures, tmp_path):
+    folder, _ = pictures
+    marks = tmp_path / "marks"
+    marks.mkdir()
+    words = ("detect", folder / "pair.png", "--all", "--detector", detector, "--out-dir", marks, "--overwrite")
+    assert "was there before" not in run(*words).stderr
+    shutil.copy(marks / "pair.json", marks / "pair-3.json")
+    told = run(*words)
+    assert told.exit_code == 0 and "pair-3.json: was there before, and is no face of" in told.stderr
+
+
 def test_how_sure_a_face_must_be_is_as_it_is_said(run, refused, detector, pictures, tmp_path):
     words = ("detect", pictures[0] / "pair.png", "--detector", detector, "--out-dir")
     assert "expected a face, found none" in refused(*words, tmp_path / "none", "--score", 0.95)
