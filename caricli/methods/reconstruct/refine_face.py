@@ -106,10 +106,19 @@ def _anchors(vertices: np.ndarray, camera: Camera, template: Template, count: in
         raise InputError(f"expected 68 or {len(note.landmarks)} landmarks, found {count}")
     marked = note.landmarks[: len(JAW)]
     jaw = slide_contour(vertices, camera.rotation, template.vertices, marked, note.jaw_paths)
-    # Where paths meet two landmarks can slide to one vertex; then the second stays where it was marked.
-    first = np.zeros(len(JAW), dtype=bool)
-    first[np.unique(jaw, return_index=True)[1]] = True
-    return np.concatenate([np.where(first, jaw, marked), note.landmarks[len(JAW) : count]])
+    taken: set[int] = set()
+    # Where paths meet two landmarks can slide to one vertex; then the one nearer to the chin stays one before it.
+    for k in np.argsort(-np.abs(np.arange(len(JAW)) - len(JAW) // 2), kind="stable"):
+        jaw[k] = _free(note.jaw_paths[k].tolist(), jaw[k], marked[k], taken)
+        taken.add(int(jaw[k]))
+    return np.concatenate([jaw, note.landmarks[len(JAW) : count]])
+
+
+def _free(path: list[int], slid: int, marked: int, taken: set[int]) -> int:
+    """The first vertex of a path, from where a landmark slid to back to where it was marked, that is not taken."""
+    start, end = path.index(slid), path.index(marked)
+    way = path[end : start + 1][::-1] if start > end else path[start : end + 1]
+    return next((vertex for vertex in way if vertex not in taken), marked)
 
 
 def _deformed(

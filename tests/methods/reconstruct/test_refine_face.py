@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.faces.encode_face import decode_face, encode_face
+from caricli.methods.reconstruct.landmark_vertices import landmark_vertices
 from caricli.methods.reconstruct.refine_face import refine_face
 from caricli.methods.reconstruct.settings import RefineSettings
 from caricli.structures import Camera, Face
@@ -238,3 +240,17 @@ def test_a_landmark_is_met_as_far_as_it_is_surer_than_the_face(pairs, refined, t
     mixed = np.where(np.isin(np.arange(len(truth.points)), PARTS["jaw"])[:, None, None], vague, exact)
     part = refine_face(face, truth.points, template, spreads=mixed)
     assert part.after["eyes"] < 0.1 * part.before["eyes"] and part.after["jaw"] > 0.5 * part.before["jaw"]
+
+
+@pytest.mark.parametrize(("pitch", "yaw"), [(6, 58), (10, 50)])
+def test_a_jaw_that_slides_together_is_met_on_both_sides(pitch, yaw, template):
+    """Where two landmarks would slide to one vertex, none is sought behind the outline."""
+    moved = []
+    for side in (1, -1):
+        rotation = head_rotation(np.radians([pitch, side * yaw, 0]))
+        camera = Camera(300 / template.height, rotation, np.array([250.0, 250.0]))
+        points = camera.project(template.vertices[landmark_vertices(template.vertices, rotation, template, 68)])
+        jaw = (4, 5, 6) if side > 0 else (12, 11, 10)
+        points[jaw[1]] += (points[jaw[2]] - points[jaw[0]]) / 4
+        moved.append(refine_face(Face(template, camera), points, template).moved)
+    assert max(moved) < 0.006 and moved[0] == pytest.approx(moved[1], rel=0.1)
