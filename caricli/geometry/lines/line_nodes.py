@@ -6,6 +6,8 @@ import numpy as np
 
 _CLEAR = 0.3
 """Nodes are found where pieces between them leave less than this share of what pieces around them leave."""
+_ROUNDING = 1e-9
+"""Of a line's extent: what is left of it is none."""
 _FREE = 4
 """Points of a line beyond the numbers of its pieces, at least: with fewer, pieces fit anywhere."""
 _MOST = 1024
@@ -31,7 +33,7 @@ def line_nodes(line: np.ndarray, count: int) -> np.ndarray | None:
     centred = line - line.mean(0)
     for smooth in (True, False):
         left = [_left(centred, count, around, smooth) for around in (False, True)]
-        if left[0] < _CLEAR * left[1]:
+        if left[0] < _CLEAR * left[1] and left[1] > _ROUNDING * np.abs(centred).max():
             return np.linspace(0, points - 1, count)
     return None
 

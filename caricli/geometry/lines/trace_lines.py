@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from caricli.geometry.lines.arc_lengths import arc_lengths
+
 _AHEAD = 8
 """Pixels from its end that say in which direction a line goes."""
 _STRAIGHT = -0.6
@@ -49,14 +51,19 @@ def trace_lines(ink: np.ndarray, shortest: float) -> list[InkLine]:
     lines = []
     for chain in _joined(branches, centres):
         width = 2 * float(np.median(inside[tuple(chain.astype(int).T)])) - 1
-        if len(chain) > shortest:
+        if _length(chain) > shortest:
             lines.append(InkLine(_smoothed(chain[:, ::-1].astype(np.float64)), width))
-    return sorted(lines, key=lambda line: -len(line.points))
+    return sorted(lines, key=lambda line: -_length(line.points))
+
+
+def _length(pixels: np.ndarray) -> float:
+    """Of a line through pixels (N, 2), from border to border."""
+    return 1 + float(arc_lengths(pixels)[-1])
 
 
 def _is_stub(branch: _Branch, shortest: float) -> bool:
     free = sum(end < 0 for end in branch.ends)
-    return len(branch.pixels) < shortest and free > 0
+    return _length(branch.pixels) < shortest and free > 0
 
 
 def _merged(branches: list[_Branch], centres: np.ndarray, inside: np.ndarray) -> tuple[list[_Branch], np.ndarray]:

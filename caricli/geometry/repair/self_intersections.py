@@ -15,25 +15,28 @@ _PARALLEL = 1e-12  # sine of the angle between an edge and a plane: with less th
 
 
 def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Find pairs of triangles without a common corner, an edge of one of which goes through the other.
+    """Find pairs of triangles without a corner in one place, an edge of one of which goes through the other.
 
     vertices: (V, 3). faces: (F, 3).
     Returns (K, 2) triangle numbers, the smaller first, in order. Raises NumericsError where more than MAX_PAIRS are
     near to each other, as in a mesh whose vertices lie in one place.
     """
     corners = vertices[faces]
-    crossing = [_crossing(pairs, corners, faces) for pairs in _near_pairs(corners)]
+    # Where a mesh is split at seams, vertices of other numbers are in one place.
+    places = np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1)[faces]
+    crossing = [_crossing(pairs, corners, places) for pairs in _near_pairs(corners)]
     return np.unique(np.sort(np.concatenate(crossing), axis=1), axis=0)
 
 
-def _crossing(pairs: np.ndarray, corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Those of pairs (K, 2) of triangles that go through each other. corners: (F, 3, 3) of the triangles."""
+def _crossing(pairs: np.ndarray, corners: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Those of pairs (K, 2) of triangles that go through each other. corners: (F, 3, 3) of the triangles. places: (F,
+    3) the numbers of these."""
     low, high = corners.min(1), corners.max(1)
     first, second = pairs.T
     overlap = ((low[first] <= high[second]) & (low[second] <= high[first])).all(1)
     pairs = pairs[overlap]
     first, second = pairs.T
-    apart = (faces[first][:, :, None] != faces[second][:, None]).all((1, 2))
+    apart = (places[first][:, :, None] != places[second][:, None]).all((1, 2))
     pairs = pairs[apart]
     triangles = corners[pairs[:, 0]]
     others = corners[pairs[:, 1]]

@@ -83,3 +83,8 @@ def test_lines_of_hands_tell_none_however_they_tremble():
 
 def test_fewer_points_than_nodes_tell_none():
     assert line_nodes(NODES[:5], len(NODES)) is None
+
+
+@pytest.mark.parametrize("shift", [0, 3, 17, 100])
+def test_a_straight_line_tells_none_wherever_it_is(shift):
+    assert line_nodes(np.linspace([10, 20], [100, 37], 25) + shift, len(NODES)) is None

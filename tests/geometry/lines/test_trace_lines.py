@@ -192,3 +192,10 @@ def test_three_lines_that_meet_at_two_corners_are_three_lines_or_a_ring_with_one
     rest = [line for line in lines if line is not middle[0]]
     reach = sorted((line.points[:, 1].min() < 140, line.points[:, 1].max() > 165) for line in rest)
     assert reach in ([(True, True)], [(False, True), (True, False)])
+
+
+@pytest.mark.parametrize("angle", [0, 20, 45, 70])
+def test_short_lines_are_as_long_in_all_directions(angle):
+    way = 10 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    ink = drawn([100 - way, 100 + way])
+    assert len(trace_lines(ink, 16)) == 1 and not trace_lines(ink, 27)

@@ -84,3 +84,10 @@ def test_blocks_make_no_difference(ball, monkeypatch):
     monkeypatch.setattr(module, "_BLOCK", 7)
     np.testing.assert_array_equal(self_intersections(crumpled, faces), whole)
     assert len(whole) > 100
+
+
+def test_triangles_of_a_mesh_that_is_split_at_seams_meet_where_they_would(ball):
+    vertices, faces = ball
+    turned = vertices @ rotation_matrices(np.array([[0.3, -0.5, 0.9]]))[0].T
+    apart = turned[faces].reshape(-1, 3)
+    assert len(self_intersections(apart, np.arange(len(apart)).reshape(-1, 3))) == 0
