@@ -298,12 +298,14 @@ def _without_islands(left: np.ndarray, free: np.ndarray, rim: float) -> np.ndarr
     """
     bare = left <= 0
     bare[-1] = True
-    around = np.pad(bare, ((0, 0), (_GAPS, _GAPS)), mode="wrap")
-    wide = binary_opening(np.pad(around, ((0, 2 * _GAPS), (0, 0)), mode="edge"), iterations=_GAPS)
+    turn = bare.shape[1]
+    deeper = np.pad(bare, ((0, 2 * _GAPS), (0, 0)), mode="edge")
+    # Three turns, so that what goes on over the middle of the face is whole in the second.
+    wide = binary_opening(np.pad(deeper, ((0, 0), (turn, turn)), mode="wrap"), iterations=_GAPS)
     parts, _ = label(wide)
     beyond = np.isin(parts, np.unique(parts[-1][wide[-1]])) & wide
     # What was lost at its border comes back, what hangs on it by a thin bridge does not.
-    beyond = binary_dilation(beyond, iterations=2 * _GAPS)[: len(bare), _GAPS : _GAPS + bare.shape[1]]
+    beyond = binary_dilation(beyond, iterations=2 * _GAPS)[: len(bare), turn : 2 * turn]
     return np.where(bare & ~beyond & (free >= 0), rim, left)
 
 

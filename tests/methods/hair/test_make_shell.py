@@ -2,12 +2,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.hair.far_side import facing_of
 from caricli.methods.hair.head_sphere import HeadSphere
-from caricli.methods.hair.make_shell import _taper, make_shell
+from caricli.methods.hair.make_shell import _taper, _without_islands, make_shell
 from caricli.methods.hair.move_skull import lower_skull, raise_skull, sink_skull
 from caricli.methods.hair.settings import ShellSettings
 from caricli.methods.hair.visible_hair import union_share, visible_hair
@@ -206,3 +207,15 @@ def test_the_farthest_of_points_counts_near_their_directions(sitter):
     row = np.abs(sphere.angles - 0.5).argmin()
     assert farthest[row, -1] == farthest[row, 1] == pytest.approx(0.2), "it goes on around the grid's end"
     assert np.isneginf(farthest).mean() > 0.97
+
+
+def test_bare_skin_is_no_island_wherever_longitudes_begin():
+    """Half bare at random, in patches."""
+    generator = np.random.default_rng(0)
+    field = gaussian_filter(generator.normal(size=(156, 192)), 10, mode=("nearest", "wrap"))
+    left = field - np.median(field)
+    free = np.ones_like(left)
+    expected = _without_islands(left, free, 0.5)
+    for turn in (30, 77, 120):
+        turned = _without_islands(np.roll(left, turn, axis=1), free, 0.5)
+        np.testing.assert_array_equal(np.roll(turned, -turn, axis=1), expected)
