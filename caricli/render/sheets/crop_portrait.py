@@ -1,9 +1,8 @@
 """The face of a picture, cut out by its landmarks."""
 
 import numpy as np
-from PIL import Image
 
-from caricli.render.backdrop import PAPER
+from caricli.render.pixels.cut_square import cut_square
 
 _HALF = 0.8
 """Half the side of the square, of the larger extent of the landmarks: with all of the head around them."""
@@ -20,7 +19,4 @@ def crop_portrait(picture: np.ndarray, points: np.ndarray, size: int) -> np.ndar
     # Landmarks count from the middle of the first pixel, boxes from its corner.
     middle = (low + high) / 2 + 0.5
     half = _HALF * (high - low).max()
-    box = (*(middle - half), *(middle + half))
-    image = Image.fromarray(picture)
-    extent = Image.Transform.EXTENT
-    return np.asarray(image.transform((size, size), extent, box, Image.Resampling.BICUBIC, fillcolor=PAPER))
+    return cut_square(picture, middle - half, 2 * half, size)

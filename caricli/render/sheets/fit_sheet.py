@@ -4,13 +4,13 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from PIL import Image
 
-from caricli.render.backdrop import PAPER, blank_paper
+from caricli.render.backdrop import blank_paper
 from caricli.render.coat import mesh_coat
 from caricli.render.face_look import head_look
 from caricli.render.head_views import head_sky, head_views
 from caricli.render.in_parallel import in_parallel
+from caricli.render.pixels.cut_square import cut_square
 from caricli.render.shade import Look
 from caricli.render.sheets.contact_sheet import contact_sheet
 from caricli.render.sheets.overlay import draw_landmarks, overlay_mesh
@@ -73,9 +73,4 @@ def _window(given: np.ndarray, projected: np.ndarray | None) -> tuple[np.ndarray
 def _crop(image: np.ndarray | None, corner: np.ndarray, window: float, size: int) -> np.ndarray:
     if image is None:
         return blank_paper(size, size)
-    box = (*corner, *(corner + window))
-    return np.asarray(
-        Image.fromarray(image).transform(
-            (size, size), Image.Transform.EXTENT, box, Image.Resampling.BICUBIC, fillcolor=PAPER
-        )
-    )
+    return cut_square(image, corner, window, size)
