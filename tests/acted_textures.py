@@ -12,12 +12,12 @@ SPLITS = {"train": [0, 1, 2, 3], "validation": [4, 5], "test": [6, 7]}
 ACTIONS = ("jawOpen", "mouthSmileLeft", "browInnerUp")
 
 
-def acted_people(head, size=32, **body):
+def acted_people(head, size=32, age=0.5, **body):
     """Eight people of one shape: skin of one colour, darker where it moves, a mouth that is red as far as it gapes."""
     grid = ChartGrid(face_chart(head.template()), size)
     generator = np.random.default_rng(0)
     splits = {person: split for split, people in SPLITS.items() for person in people}
-    return [_acted(head, grid, generator, (person, splits[person]), body) for person in splits]
+    return [_acted(head, grid, generator, (person, splits[person], age), body) for person in splits]
 
 
 def _acted(head, grid, generator, person, body):
@@ -38,7 +38,7 @@ def _acted(head, grid, generator, person, body):
     seen = np.broadcast_to(grid.covered, (SHOWN, *grid.covered.shape))
     return ActedTextures(
         np.stack(pictures), seen, weights, np.stack(vertices).astype(np.float32), neutral.astype(np.float32),
-        person[0], 1, person[1], 0.5,
+        person[0], 1, person[1], person[2],
     )  # fmt: skip
 
 

@@ -3,11 +3,13 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from caricli.data.texture_set import MANIFEST, ActedTextures, read_texture_set
 from caricli.errors import InputError, naming
+from caricli.io.provenance import made_of
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.styles import StyleBook
 from caricli.methods.evaluate.evaluate_texture import Judge, Painter, TextureChoice, TextureTally, evaluate_texture
@@ -166,12 +168,20 @@ class TextureFolders:
         own = list(textures.people("train"))
         if self.others is None:
             return own, list(textures.people("test"))
-        tested = list(read_texture_set(self.others).people())
-        learnt = {person.neutral.tobytes() for person in own}
-        both = sum(person.neutral.tobytes() in learnt for person in tested)
+        others = read_texture_set(self.others)
+        tested = list(others.people())
+        same = others.manifest["splits"] == textures.manifest["splits"]
+        learnt = set().union(*(_marks(person, same) for person in own))
+        both = sum(not learnt.isdisjoint(_marks(person, same)) for person in tested)
         if both:
             raise InputError(f"{self.others}: expected people whom nobody learnt with, found {both} of {self.folder}")
         return own, tested
+
+
+def _marks(person: ActedTextures, same: bool) -> set[Any]:
+    """What tells somebody: the shape at rest, and among people of one dataset the number, for another level has another
+    shape. same: whether they are of one, as equal splits say; of two of equal size ages differ."""
+    return {person.neutral.tobytes()} | ({(person.person, person.age)} if same else set())
 
 
 def load_texture_test(
@@ -193,6 +203,9 @@ def load_texture_test(
         if model.topology_id != head.topology_id:
             raise InputError(f"{name}: expected a texture network of the head's mesh, found one of another")
     learnt, tested = textures.people()
+    for name, model in models.items():
+        if textures.others is not None and made_of(model.recipe, textures.others / MANIFEST):
+            raise InputError(f"{textures.others}: expected people of no training, found what {name} learnt from")
     grid = ChartGrid(face_chart(head), config.size)
     with naming(textures.folder):
         total = len(learnt) + len(tested)

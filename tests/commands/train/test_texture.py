@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from caricli.commands.evaluate.texture import REGIONS, _print
+from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.image import read_image, write_png
@@ -96,7 +97,7 @@ def test_what_no_face_shows_is_printed_as_not_measured(capsys):
 
 
 def test_everybody_of_another_folder_is_tested(textures, head, tmp_path):
-    others = write_acted_set(tmp_path / "others", head, gender=0.9)
+    others = write_acted_set(tmp_path / "others", head, age=0.4, gender=0.9)
     learnt, tested = TextureFolders(textures, others).people()
     assert len(learnt) == 4 and {person.split for person in learnt} == {"train"}
     assert len(tested) == 8 and len(TextureFolders(textures).people()[1]) == 2
@@ -147,3 +148,16 @@ def test_a_network_of_something_else_is_not_measured(refused, trained, textures,
     said = refused(*line)
     assert "other.safetensors" in said and words in said
     assert not (tmp_path / "out").exists()
+
+
+def test_whom_rivals_learn_from_is_not_tested_at_another_level(textures, head, tmp_path):
+    others = write_acted_set(tmp_path / "others", head, gender=0.9)
+    with pytest.raises(InputError, match="expected people whom nobody learnt with, found 4"):
+        TextureFolders(textures, others).people()
+
+
+def test_whom_the_network_learnt_from_is_not_tested(refused, trained, textures, head, tmp_path):
+    others = write_acted_set(tmp_path / "others", head, age=0.4, gender=0.9)
+    network = trained / "model.safetensors"
+    line = ("evaluate", "texture", network, "--data", others, "--people", textures, "--out", tmp_path / "out")
+    assert "expected people of no training, found what" in refused(*line)
