@@ -51,8 +51,9 @@ class Labels:
 
     def columns(self) -> dict[str, np.ndarray]:
         """(N,) int32 by the names of a dataset's columns."""
-        people = list(dict.fromkeys(name.person for name in self.shown))
-        rows = [(people.index(name.person), self.expressions.index(name.expression), name.level) for name in self.shown]
+        people = {person: k for k, person in enumerate(dict.fromkeys(name.person for name in self.shown))}
+        expressions = {expression: k for k, expression in enumerate(self.expressions)}
+        rows = [(people[name.person], expressions[name.expression], name.level) for name in self.shown]
         return dict(zip(("identity", "expression", "level"), np.array(rows, dtype=np.int32).T, strict=True))
 
 

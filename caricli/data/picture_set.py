@@ -74,7 +74,9 @@ class PictureSet:
 
     def faces(self, number: int) -> np.ndarray:
         """Rows of the truth that are faces of a picture."""
-        return np.flatnonzero(self.truth["picture"] == number)
+        # Of a column's own type, or each call would convert the column.
+        column = self.truth["picture"]
+        return np.arange(*np.searchsorted(column, np.array([number, number + 1], column.dtype)))
 
     @property
     def missing(self) -> int:
@@ -128,9 +130,10 @@ class PictureWriter:
     def finish(self, manifest: Mapping[str, Any]) -> None:
         """Write truth and manifest. manifest: its entries beside those that every folder of pictures has."""
         arrays = {}
-        for name, (kind, _) in COLUMNS.items():
+        for name, (kind, shape) in COLUMNS.items():
             kinds = {"f": np.float32, "iu": np.int32, "b": bool}
-            arrays[name] = np.array([row[name] for row in self.rows], kinds[kind])
+            values = np.array([row[name] for row in self.rows], kinds[kind])
+            arrays[name] = values if self.rows else values.reshape(0, *(length or 0 for length in shape))
         write_npz(self.folder / TRUTH, arrays)
         value = {
             "schema": SCHEMA,

@@ -96,8 +96,7 @@ def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: 
     seen: by what messages call the model; None for one that does not say. everyone: as ``all_tested``.
     Raises InputError when there were test people and none remain.
     """
-    if everyone:
-        data = all_tested(data)
+    data = all_tested(data) if everyone else _without_nobody(data)
     kept = {split: _strangers(data, split, seen) for split in SPLITS}
     people = data.manifest["splits"]["test"]
     left = len(kept["test"])
@@ -114,6 +113,13 @@ def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: 
     if silent:
         notes.append(f"{', '.join(silent)}: no word of whom they were trained with, who may be among the test people")
     return UnseenData(_with_splits(data, kept), left, len(people), "; ".join(notes) or None)
+
+
+def _without_nobody(data: Dataset) -> Dataset:
+    """The dataset whose splits name nobody of whom it has no mesh: fewer meshes than people may have been drawn."""
+    shown = set(data.identity.tolist())
+    splits = data.manifest["splits"]
+    return _with_splits(data, {split: [who for who in people if who in shown] for split, people in splits.items()})
 
 
 def _with_splits(data: Dataset, splits: dict[str, list[int]]) -> Dataset:

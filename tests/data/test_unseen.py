@@ -170,3 +170,10 @@ def test_a_trained_person_planted_in_the_published_test_set_is_left_out(build):
     planted = unseen_data(replace(tested, factors=factors), seen, everyone=True)
     assert planted.data.manifest["splits"]["test"] == [0, 1, 3]
     assert planted.figures == {"test_people": {"unseen": 3, "of": 4}} and "kernel" in planted.note
+
+
+def test_people_without_a_mesh_are_nobody(eight):
+    data = with_splits(eight, train=[0, 1], test=[2, 3, 8, 9])
+    assert unseen_data(data, {}).figures == {"test_people": {"unseen": 2, "of": 2}}
+    with pytest.raises(InputError, match="found none among 2"):
+        unseen_data(data, {"mine": seen_people(with_splits(eight, train=[2, 3]))})

@@ -82,7 +82,7 @@ def command(dataset, networks, models, trained, out, count, everyone, seed, over
         write_png(folder / "strokes.png", _strokes(tables[UNSEEN], len(rivals.hand.curves)))
         write_png(folder / "gallery.png", gallery)
     echo_notes(unseen.note)
-    _print(tables, counts, unseen.test)
+    _print(tables, counts)
     echo_result(f"{shown(out)}: {next(iter(tables[UNSEEN].errors.values()))['noise']:.2f} mm with noise")
 
 
@@ -111,7 +111,7 @@ def _rivals(dataset: Path, networks: tuple[Path, ...], models: tuple[Path, ...],
 
 
 def _evaluate(rivals: Any, data: Any, trained: Path | None, count: int, seed: int) -> tuple[dict, dict, Any]:
-    """SketchFigures by protocol, how many faces of each, and the gallery's picture."""
+    """SketchFigures by protocol, how many faces of each, of how many people, and the gallery's picture."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.evaluate.evaluate_shape import split_rows
     from caricli.methods.evaluate.evaluate_sketch import TENTH, UNSEEN, DrawnHeads, evaluate_sketch
@@ -128,6 +128,7 @@ def _evaluate(rivals: Any, data: Any, trained: Path | None, count: int, seed: in
             tables[protocol] = evaluate_sketch(rivals, heads, source.vertices[others].astype(float), seed, report)
             faces["faces" if protocol == UNSEEN else "faces_held_out"] = len(tested)
             if protocol == UNSEEN:
+                faces["people"] = len(set(source.identity[tested].tolist()))
                 gallery = sketch_gallery(rivals.model.template, *rivals.first.shown(heads.some(SHOWN), seed))
     return tables, faces, gallery
 
@@ -146,11 +147,13 @@ def _held_out(rivals: Any, trained: Path, count: int) -> tuple[Any, Any, Any]:
     return data, parts["test"], parts["validation"][:OTHERS]
 
 
-def _print(tables: dict, counts: dict, people: int) -> None:
+def _print(tables: dict, counts: dict) -> None:
     from caricli.commands.shared.tables import print_table
     from caricli.methods.evaluate.evaluate_sketch import CONDITIONS, TENTH, UNSEEN, rows
 
-    print_table(("mm", *CONDITIONS), rows(tables[UNSEEN].errors), f"{counts['faces']} faces of {people} people")
+    print_table(
+        ("mm", *CONDITIONS), rows(tables[UNSEEN].errors), f"{counts['faces']} faces of {counts['people']} people"
+    )
     if TENTH in tables:
         title = f"{counts['faces_held_out']} faces of people who were trained with, a random tenth"
         print_table(("mm", *CONDITIONS), rows(tables[TENTH].errors), title)

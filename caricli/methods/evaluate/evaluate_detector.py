@@ -187,7 +187,7 @@ def _face_result(judged: JudgedPicture, number: int, face: DetectedFace | None) 
     parts = {name: list(part) for name, part in PARTS.items() if max(part) < count} | {"all": list(range(COUNT))}
     shares = {name: 100 * errors[part] / diagonal for name, part in parts.items()}
     nme = {name: float(own[np.isfinite(own)].mean()) for name, own in shares.items() if np.isfinite(own).any()}
-    clear = marks.known[:count] & judged.marked.visible[number]
+    clear = marks.known[:count] & judged.marked.visible[number] & np.isfinite(truth).all(1)
     ratios = _ratios(marks.points[:count][clear] - truth[clear], marks.spreads[:count][clear])  # type: ignore[index]
     unknown = int((~marks.known).sum())
     return FaceResult(judged.name, judged.medium, yaw, nme, ratios, unknown, shape)

@@ -184,3 +184,11 @@ def test_the_mean_shape_is_the_mean_of_all_faces(picture):
     apart = np.linalg.norm(shapes[0] - shapes[1], axis=1).mean() / 2
     shares = [100 * apart / diagonal(shape) for shape in shapes]
     assert tally.figures["mean_shape"]["all"] == pytest.approx(np.mean(shares))
+
+
+def test_landmarks_that_nobody_marked_tell_nothing_of_spreads(picture):
+    unmarked = picture.landmarks.copy()
+    unmarked[:, 68:] = np.nan
+    faces = [found(points + 0.5) for points in picture.landmarks]
+    tally = tallied(replace(picture, landmarks=unmarked), *faces)
+    assert tally.figures["within"] == {"along": 1, "across": 1} and np.isfinite(tally.trust)
