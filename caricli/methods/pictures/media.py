@@ -60,10 +60,12 @@ def hatched(image: np.ndarray, region: np.ndarray, generator: np.random.Generato
     first = generator.uniform(0, np.pi)
     ink = _lines(image, region, generator)
     rows, columns = np.mgrid[:size, :size].astype(np.float32)
-    bend = blob_noise(size, 0.2, generator) * 3
+    # In a smaller picture finer lines would be none.
+    unit = max(size / 256, 1)
+    bend = blob_noise(size, 0.2, generator) * 3 * unit
     for level, turn in ((0.62, 0), (0.42, np.pi / 2.3), (0.25, np.pi / 4)):
         phase = columns * np.cos(first + turn) + rows * np.sin(first + turn) + bend
-        wave = 0.5 + 0.5 * np.cos(2 * np.pi * phase / generator.uniform(2.5, 5.5))
+        wave = 0.5 + 0.5 * np.cos(2 * np.pi * phase / (generator.uniform(2.5, 5.5) * unit))
         dark = _step(level - grey, 0.12)
         ink = ink * (1 - generator.uniform(0.5, 0.95) * dark * wave)
     paper = generator.uniform(0.85, 1.0) * (1 + generator.normal(0, 0.03, 3))

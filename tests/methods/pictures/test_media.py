@@ -122,3 +122,14 @@ def test_a_pencil_leaves_paper_light_and_its_dark_has_grain(scene):
     assert drawn[:, 4:14, 4:90].mean((1, 2)).min() > 0.5
     dark, light = (np.median(part.std((1, 2))) for part in (drawn[:, 38:58, 56:72], drawn[:, 4:14, 4:90]))
     assert dark > 0.02 and dark > 2 * light
+
+
+def test_hatching_is_as_fine_in_large_pictures():
+    """How often hatching of a dark ground crosses its mean along a row."""
+    counts = []
+    for size in (256, 1024):
+        image = np.full((size, size, 3), 0.1, np.float32)
+        rows = drawings("hatched", image, seeds=4).mean(3)
+        crossings = np.diff(np.sign(rows - rows.mean((1, 2), keepdims=True)), axis=2) != 0
+        counts.append(crossings.sum(2).mean())
+    assert counts[1] == pytest.approx(counts[0], rel=0.25)
