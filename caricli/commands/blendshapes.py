@@ -126,8 +126,7 @@ def command(
     from caricli.store.expression_tools import ToolPaths, caricature_pictures, load_caricature, load_tools
     from caricli.store.face_pictures import FaceReader, seen_files
 
-    _check_usage(method, reconstruct, weights)
-    refuse_unread([source])
+    _check_usage(source, method, reconstruct, weights)
     painting = load_network(network, dynamic)
     settings = BlendshapeSettings(method, reconstruct, BlendshapeWeights(*weights))
     tools, tool_files = load_tools(ToolPaths(expressions, map_path, model, templates), latent=reconstruct == "latent")
@@ -148,8 +147,9 @@ def command(
     echo_result(f"{out}: {line}")
 
 
-def _check_usage(method, reconstruct, weights):
-    """Refuse options that the method does not use."""
+def _check_usage(source, method, reconstruct, weights):
+    """Refuse options that the source or the method does not use."""
+    refuse_unread([source])
     if method == "transfer" and reconstruct != "intrinsic":
         raise click.UsageError("--reconstruct is for methods that follow landmarks, not for transfer.")
     if method != "full" and weights != DEFAULT_WEIGHTS:

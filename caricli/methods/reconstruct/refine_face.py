@@ -107,7 +107,7 @@ def _anchors(vertices: np.ndarray, camera: Camera, template: Template, count: in
     marked = note.landmarks[: len(JAW)]
     jaw = slide_contour(vertices, camera.rotation, template.vertices, marked, note.jaw_paths)
     taken: set[int] = set()
-    # Where paths meet two landmarks can slide to one vertex; then the one nearer to the chin stays one before it.
+    # Where paths meet two landmarks can slide to one vertex; then the one nearer to the chin stops before it.
     for k in np.argsort(-np.abs(np.arange(len(JAW)) - len(JAW) // 2), kind="stable"):
         jaw[k] = _free(note.jaw_paths[k].tolist(), jaw[k], marked[k], taken)
         taken.add(int(jaw[k]))
