@@ -104,7 +104,9 @@ def test_a_mesh_without_uvs_needs_no_picture(shape, model, tmp_path):
     assert not load_worn_face(path, model).pictures
     write_obj(path, shape)
     path.write_text("mtllib missing.mtl\n" + path.read_text("utf-8"), "utf-8")
-    with pytest.raises(InputError, match="expected a material file, found no such file"):
+    assert not load_worn_face(path, model).pictures
+    path.with_name("missing.mtl").write_text("map_Kd missing.png\n", "utf-8")
+    with pytest.raises(InputError, match="missing.png: expected an image, found no such file"):
         load_worn_face(path, model)
 
 

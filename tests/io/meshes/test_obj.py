@@ -1,5 +1,3 @@
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +5,6 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from caricli.errors import InputError, OutputError
-from caricli.io.meshes import obj
 from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.structures import Material, Mesh
 from caricli.structures.checks import are_apart
@@ -233,18 +230,12 @@ def test_what_cannot_be_written_is_refused(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_faces_that_match_one_by_one_are_read_where_they_do_not_together(tmp_path, monkeypatch):
-    """As fuzzing once found it: nothing is wrong in any line, so none is refused."""
-    path = tmp_path / "two.obj"
-    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\n")
-    faces = read_obj(path).faces
-    whole = obj._CORNERS["v"]
-    alone = SimpleNamespace(fullmatch=lambda text: None if b"\n" in text.strip() else whole.fullmatch(text))
-    monkeypatch.setitem(obj._CORNERS, "v", alone)
-    np.testing.assert_array_equal(read_obj(path).faces, faces)
-    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 a\n")
-    with pytest.raises(InputError, match="f 1 2 a"):
-        read_obj(path)
+@pytest.mark.parametrize("cut", ["1/", "/1", "1/1/", "1/a", "1//1", "1/1234567890", "-/1"])
+def test_a_corner_that_is_cut_short_is_named_with_its_line(tmp_path, cut):
+    """As fuzzing once found it where a file ends."""
+    text = TRIANGLE + "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\nf 3/3 2/2 " + cut
+    with pytest.raises(InputError, match="line 8: expected"):
+        read(tmp_path, text)
 
 
 def test_a_byte_order_mark_is_passed_over(tmp_path):
