@@ -280,7 +280,7 @@ class _Faces:
 def _are_all(pattern: re.Pattern[bytes], text: bytes) -> bool:
     """Whether all words of a text are as a pattern says.
 
-    They are counted: fuzzing found Python 3.11.2 to match a line by possessive repetitions whose last word is cut short.
+    They are counted: fuzzing found Python 3.11.2 to match by possessive repetitions where the last word is cut short.
     """
     return len(pattern.findall(text)) == len(text.split())
 

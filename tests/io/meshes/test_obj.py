@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from caricli.errors import InputError, OutputError
+from caricli.io.meshes import obj
 from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.structures import Material, Mesh
 from caricli.structures.checks import are_apart
