@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from caricli.geometry.places_of import places_of
+
 
 def smooth_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Unit normals of vertices, averaged over their triangles by corner angle.
@@ -10,7 +12,7 @@ def smooth_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     vertices: (V, 3). faces: (F, 3), counter-clockwise from outside.
     Returns (V, 3) float64; (0, 0, 0) where a vertex has no triangle with an area.
     """
-    place = _places(vertices)
+    place = places_of(vertices)
     corners = vertices[faces]
     edges = [corners[:, (k + 1) % 3] - corners[:, k] for k in range(3)]
     normals = np.cross(edges[0], -edges[2])
@@ -28,14 +30,7 @@ def even_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     of the picture. Arguments and result are those of `smooth_normals`.
     """
     around = smooth_normals(vertices, faces)[faces].sum(1)
-    return _mean_directions(_places(vertices), faces, [around] * 3)
-
-
-def _places(vertices: np.ndarray) -> np.ndarray:
-    """(V,) numbers of vertices (V, 3), the same for those at the same place."""
-    # Bytes are compared, many times faster than rows; the sum makes a zero of a negative one.
-    vertices = np.ascontiguousarray(vertices, float) + 0.0
-    return np.unique(vertices.view(f"V{vertices.itemsize * 3}"), return_inverse=True)[1].ravel()
+    return _mean_directions(places_of(vertices), faces, [around] * 3)
 
 
 def _mean_directions(place: np.ndarray, faces: np.ndarray, given: list[np.ndarray]) -> np.ndarray:

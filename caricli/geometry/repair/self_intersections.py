@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from caricli.errors import NumericsError
+from caricli.geometry.places_of import places_of
 
 MAX_PAIRS = 20_000_000
 """Triangles near to each other that are looked at, in half a minute; a head has 15 for every triangle."""
@@ -22,8 +23,7 @@ def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     near to each other, as in a mesh whose vertices lie in one place.
     """
     corners = vertices[faces]
-    # Where a mesh is split at seams, vertices of other numbers are in one place.
-    places = np.unique(vertices, axis=0, return_inverse=True)[1].reshape(-1)[faces]
+    places = places_of(vertices)[faces]
     crossing = [_crossing(pairs, corners, places) for pairs in _near_pairs(corners)]
     return np.unique(np.sort(np.concatenate(crossing), axis=1), axis=0)
 
