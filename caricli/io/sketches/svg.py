@@ -14,8 +14,8 @@ from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
 from caricli.io.sketches.svg_brush import Brush
 from caricli.io.sketches.svg_path import outline_points
-from caricli.io.sketches.svg_style import Style, length_in_pixels, style_rules
-from caricli.io.sketches.svg_view import frame, view_box
+from caricli.io.sketches.svg_style import Style, style_rules
+from caricli.io.sketches.svg_view import Window, frame, lengths_of, view_box
 from caricli.limits import MAX_COORDINATE, MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, MAX_SVG_BYTES
 from caricli.structures.sketch import CANVAS, CURVES, Sketch, Stroke, StrokeKind
 
@@ -40,7 +40,7 @@ class _Place:
     or None, style, kind and curve, and how deep it lies."""
 
     matrix: np.ndarray
-    window: tuple[float, float] | None
+    window: Window | None
     style: Style = Style()
     kind: StrokeKind | None = None
     curve: str | None = None
@@ -191,7 +191,7 @@ class _Reader:
 
     def _used(self, target: Element, use: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
         """What is drawn where something is used. place: of the use."""
-        aside = np.array([[1, 0, _coordinate(use, "x")], [0, 1, _coordinate(use, "y")]])
+        aside = np.column_stack([np.eye(2), lengths_of(use, ("x", "y"), place.window)])
         place = replace(place, matrix=_composed(place.matrix, aside))
         yield from self._walk(target, place.framed(target, use) if _name(target) == "symbol" else place)
 
@@ -209,7 +209,7 @@ class _Reader:
 
     def _outlines(self, element: Element, place: _Place, scale: float) -> Iterator[np.ndarray]:
         """Lines (N, 2) of a shape, pixels of the canvas."""
-        for line in outline_points(element, _name(element), scale):
+        for line in outline_points(element, _name(element), scale, place.window):
             self.points += len(line)
             if self.points > MAX_SKETCH_POINTS:
                 raise InputError(f"expected at most {MAX_SKETCH_POINTS} points, found more")
@@ -279,10 +279,6 @@ def _within(matrix: np.ndarray, transform: str | None) -> np.ndarray:
 def _composed(matrix: np.ndarray, own: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):
         return np.column_stack([matrix[:, :2] @ own[:, :2], matrix[:, :2] @ own[:, 2] + matrix[:, 2]])
-
-
-def _coordinate(element: Element, key: str) -> float:
-    return length_in_pixels(element.get(key)) or 0.0
 
 
 def _canvas(left: float, top: float, width: float, height: float) -> tuple[tuple[int, int], np.ndarray]:

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from caricli.errors import InputError, shown
-from caricli.io.sketches.svg_style import length_in_pixels
+from caricli.io.sketches.svg_view import Window, lengths_of
 from caricli.limits import MAX_SKETCH_POINTS
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -19,10 +19,11 @@ _MOST = 256
 """Pieces that a curve becomes."""
 
 
-def outline_points(element: Element, name: str, scale: float) -> Iterator[np.ndarray]:
+def outline_points(element: Element, name: str, scale: float, window: Window | None) -> Iterator[np.ndarray]:
     """The lines (N, 2) of a shape in its own units.
 
     element: path, line, polyline, polygon, rect, circle or ellipse. name: which of them. scale: pixels of a unit.
+    window: size of the drawing that it lies in, which percents are of.
     Yields points, of a path a line for every part that begins with a move. Raises InputError when it is malformed.
     """
     if name == "path":
@@ -33,7 +34,7 @@ def outline_points(element: Element, name: str, scale: float) -> Iterator[np.nda
         if len(points):
             yield np.vstack([points, points[:1]]) if name == "polygon" else points
     else:
-        yield from _SHAPES[name](element)
+        yield from _SHAPES[name](element, window)
 
 
 def _numbers(text: str) -> np.ndarray:
@@ -43,22 +44,18 @@ def _numbers(text: str) -> np.ndarray:
     return np.array([float(word) for word in words])
 
 
-def _of(element: Element, *keys: str) -> list[float]:
-    return [length_in_pixels(element.get(key)) or 0.0 for key in keys]
+def _line(element: Element, window: Window | None) -> Iterator[np.ndarray]:
+    yield np.array(lengths_of(element, ("x1", "y1", "x2", "y2"), window)).reshape(2, 2)
 
 
-def _line(element: Element) -> Iterator[np.ndarray]:
-    yield np.array(_of(element, "x1", "y1", "x2", "y2")).reshape(2, 2)
-
-
-def _rectangle(element: Element) -> Iterator[np.ndarray]:
-    x, y, width, height = _of(element, "x", "y", "width", "height")
+def _rectangle(element: Element, window: Window | None) -> Iterator[np.ndarray]:
+    x, y, width, height = lengths_of(element, ("x", "y", "width", "height"), window)
     if width > 0 and height > 0:
         yield np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height], [x, y]])
 
 
-def _ellipse(element: Element) -> Iterator[np.ndarray]:
-    x, y, radius, wide, high = _of(element, "cx", "cy", "r", "rx", "ry")
+def _ellipse(element: Element, window: Window | None) -> Iterator[np.ndarray]:
+    x, y, radius, wide, high = lengths_of(element, ("cx", "cy", "r", "rx", "ry"), window)
     radii = np.array([wide or high or radius, high or wide or radius])
     if (radii > 0).all():
         angles = np.linspace(0, 2 * np.pi, 65)
@@ -67,7 +64,7 @@ def _ellipse(element: Element) -> Iterator[np.ndarray]:
         yield points * radii + [x, y]
 
 
-_SHAPES: dict[str, Callable[[Element], Iterator[np.ndarray]]] = {
+_SHAPES: dict[str, Callable[[Element, Window | None], Iterator[np.ndarray]]] = {
     "line": _line,
     "rect": _rectangle,
     "circle": _ellipse,

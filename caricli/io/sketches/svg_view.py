@@ -1,6 +1,7 @@
 """Which part of its plane a drawing in an SVG shows, and where one that lies in another is put."""
 
 import re
+from collections.abc import Iterable
 from typing import Any
 from xml.etree.ElementTree import Element
 
@@ -13,8 +14,15 @@ _SMALLEST = 1e-9
 """Units of the longer side of a drawing, at least."""
 _ALIGNED = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 
+_SIDES = ("width", "height")
+_UPRIGHT = {"y", "y1", "y2", "cy", "ry", "height"}
+"""Attributes whose percents are of the height of what is around."""
+
 Box = tuple[float, float, float, float]
 """Left, top, width and height."""
+
+Window = tuple[float, float]
+"""Width and height of a drawing, in its own units."""
 
 
 def view_box(root: Element) -> Box | None:
@@ -24,7 +32,7 @@ def view_box(root: Element) -> Box | None:
     """
     box = _box(root)
     if box is None:
-        sides: list[Any] = [length_in_pixels(root.get(key)) for key in ("width", "height")]
+        sides: list[Any] = [length_in_pixels(root.get(key)) for key in _SIDES]
         box = None if None in sides or not (sides[0] > 0 and sides[1] > 0) else (0.0, 0.0, *sides)
     if box is not None and max(box[2:]) < _SMALLEST:
         size = f"{box[2]:g} x {box[3]:g}"
@@ -32,17 +40,26 @@ def view_box(root: Element) -> Box | None:
     return box
 
 
-def frame(
-    element: Element, sized: Element, window: tuple[float, float] | None
-) -> tuple[np.ndarray, tuple[float, float] | None]:
+def lengths_of(element: Element, keys: Iterable[str], window: Window | None) -> list[float]:
+    """Attributes of an element in units of the drawing that it lies in; 0 where there are none.
+
+    window: that drawing's size. Percents are of its width or height, those of the radius ``r`` of the root mean square
+    of both; they are 0 where nothing says it.
+    """
+    return [_length(element.get(key), window and _around(key, *window)) or 0.0 for key in keys]
+
+
+def frame(element: Element, sized: Element, window: Window | None) -> tuple[np.ndarray, Window | None]:
     """Where a drawing, or a symbol, lies in the one around it.
 
     element: what has the ``viewBox``. sized: whose width and height count, the same or what uses it. window: size of
     the drawing around, in its units, or None.
     Returns a matrix (2, 3) to the units around, and the size of what it shows, in its own units, or None.
     """
-    aside = np.array([length_in_pixels(element.get(key)) or 0.0 for key in ("x", "y")])
-    sides = [_side(sized.get(key), window and window[axis]) for axis, key in enumerate(("width", "height"))]
+    aside = np.array(lengths_of(element, ("x", "y"), window))
+    sides = [
+        _length(sized.get(key), around) or around for key, around in zip(_SIDES, window or (None, None), strict=True)
+    ]
     box = _box(element)
     if box is None or min(box[2:]) < _SMALLEST or not all(sides):
         size = None if None in sides else (sides[0] or 0.0, sides[1] or 0.0)
@@ -59,13 +76,20 @@ def frame(
         return np.column_stack([np.diag(zooms), aside - zooms * box[:2]]), (box[2], box[3])
 
 
-def _side(text: str | None, around: float | None) -> float | None:
-    """A width or height; where none is said it is that of what is around, and percents are of this."""
-    text = (text or "100%").strip()
+def _length(text: str | None, around: float | None) -> float | None:
+    """A length, or a percentage of what is around; None where nothing says it."""
+    text = (text or "").strip()
     if not text.endswith("%"):
-        return length_in_pixels(text) or around
+        return length_in_pixels(text)
     share = length_in_pixels(text[:-1])
-    return around if around is None or share is None else share / 100 * around
+    return None if around is None or share is None else share / 100 * around
+
+
+def _around(key: str, width: float, height: float) -> float:
+    """What percents of an attribute are of."""
+    if key == "r":
+        return float(np.hypot(width, height)) / 2**0.5
+    return height if key in _UPRIGHT else width
 
 
 def _box(element: Element) -> Box | None:

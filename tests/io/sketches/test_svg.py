@@ -176,6 +176,17 @@ def test_shapes_are_lines(tmp_path):
     assert np.allclose(np.ptp(strokes[3].points, axis=0), [6, 10])
 
 
+def test_percents_are_of_the_drawing_that_a_shape_lies_in(tmp_path):
+    def strokes(*shapes):
+        body = "".join(f"<{shape} stroke='black' fill='none'/>" for shape in shapes)
+        return read(tmp_path, body, "viewBox='0 0 400 300'").strokes
+
+    shares = strokes("line x1='25%' y1='10%' x2='75%' y2='50%'", "circle cx='50%' cy='50%' r='10%'")
+    units = strokes("line x1='100' y1='30' x2='300' y2='150'", f"circle cx='200' cy='150' r='{25 * 2**0.5}'")
+    for share, unit in zip(shares, units, strict=True):
+        assert np.allclose(share.points, unit.points, atol=1e-9)
+
+
 def test_an_empty_drawing_is_an_empty_sketch(tmp_path):
     assert read(tmp_path, "").strokes == ()
 
