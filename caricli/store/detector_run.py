@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -12,13 +13,15 @@ from caricli.data.worker_pool import worker_pool
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
 from caricli.methods.train.detector.fit_jaw_places import fit_jaw_places
+from caricli.methods.train.detector.fit_region_shift import fit_region_shift
 from caricli.methods.train.detector.split_pictures import JoinedPictures, SplitPictures, marked_by_people
 from caricli.methods.train.detector.train_detector import DetectorTraining
 from caricli.methods.train.detector.window_batch import WindowSource
 from caricli.methods.train.processes import Share
 from caricli.methods.train.stages import Report, unwatched
+from caricli.models.detector.calibration import TRUST, Calibration
 from caricli.models.detector.config import DetectorConfig
-from caricli.models.detector.model import TRUST, detector_to_checkpoint
+from caricli.models.detector.model import detector_to_checkpoint
 from caricli.models.detector.networks import detector_of, network_of
 from caricli.store.detector import load_detector
 from caricli.store.training_run import MODEL, RunFolder
@@ -88,24 +91,31 @@ class DetectorRun(RunFolder):
         return self.record(training, 1.0, checkpoint)
 
     def finish(self, training: DetectorTraining, progress: Report = unwatched) -> dict:
-        """Let the best model tell where jaws are marked, measure it on the pictures that it was validated with, and let
-        its doubts agree with its errors.
+        """Let the best model tell where jaws are marked and where its regions lie, measure it on the pictures that it
+        was validated with, and let its doubts agree with its errors.
 
         progress: called with the pictures that are measured, and of how many. Returns the figures.
         """
         detector = load_detector(self.folder / MODEL)
-        detector.trust = 1.0  # whatever an end that was stopped has written
-        detector.jaw = fit_jaw_places(training.training.landmarks())
+        count = training.config.validation
+        # Without the trust that an end that was stopped has written.
+        detector.calibration = Calibration(
+            jaw=fit_jaw_places(training.training.landmarks()),
+            shift=fit_region_shift(detector, training.unseen, count),
+        )
         tally = DetectorTally()
-        numbers = evenly(training.unseen.numbers, training.config.validation)
+        numbers = evenly(training.unseen.numbers, count)
         pictures = (
             JudgedPicture(marked_by_people(training.unseen.marked(number)), str(number), "any") for number in numbers
         )
         for done, (judged, detection) in enumerate(evaluate_detector(detector, pictures), 1):
             tally.add(judged, detection)
             progress(done, len(numbers))
-        detector.trust = min(max(tally.trust, TRUST[0]), TRUST[1])
+        trust = min(max(tally.trust, TRUST[0]), TRUST[1])
+        detector.calibration = replace(detector.calibration, trust=trust)
         self.write_model(detector_to_checkpoint(detector))
-        figures = tally.trusting(detector.trust).figures
-        self.report({"model_id": detector.model_id, "trust": detector.trust, "validation": figures})
+        figures = tally.trusting(trust).figures
+        self.report(
+            {"model_id": detector.model_id, "trust": trust, "shift": detector.calibration.shift, "validation": figures}
+        )
         return figures

@@ -3,6 +3,7 @@ import pytest
 import torch
 
 from caricli.errors import InputError
+from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.config import DetectorConfig, DetectorSize
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.model import (
@@ -29,7 +30,7 @@ def detector():
     numbers = np.random.default_rng(0)
     usual = UsualShapes.of(numbers.normal(size=(40, 136)), 3)
     jaw = JawPlaces(numbers.normal(size=(14, 136)), np.linspace(0, 1, 14), usual)
-    return detector_of(network, 64, 1.5, {"seed": 0}, jaw)
+    return detector_of(network, 64, Calibration(1.5, jaw, (0.25, -0.1)), {"seed": 0})
 
 
 def test_blobs_have_their_mean_and_their_spread():
@@ -104,8 +105,8 @@ def test_cells_tell_where_faces_are_in_the_pixels_of_the_window():
 
 def test_doubts_are_multiplied_by_the_trust(detector):
     windows = np.random.default_rng(2).integers(0, 256, (1, 64, 64, 3), np.uint8)
-    twice = detector_of(network_of(detector), 64, 2 * detector.trust)
-    first, second = (each.read(windows) for each in (detector_of(network_of(detector), 64, detector.trust), twice))
+    network = network_of(detector)
+    first, second = (detector_of(network, 64, Calibration(trust)).read(windows) for trust in (1.5, 3.0))
     np.testing.assert_allclose(second.covariance, 4 * first.covariance, rtol=1e-5)
     np.testing.assert_array_equal(second.points, first.points)
 
@@ -113,27 +114,35 @@ def test_doubts_are_multiplied_by_the_trust(detector):
 def test_a_checkpoint_rebuilds_it(detector):
     tensors, about = detector_to_checkpoint(detector)
     again = detector_from_checkpoint({name: value.astype(np.float32) for name, value in tensors.items()}, about, "it")
-    assert (again.size, again.trust, again.recipe) == (64, 1.5, {"seed": 0})
+    assert (again.size, again.recipe) == (64, {"seed": 0})
+    assert (again.calibration.trust, again.calibration.shift) == (1.5, (0.25, -0.1))
     assert {value.dtype for value in tensors.values()} == {np.dtype(np.float16), np.dtype(np.float32)}
     window = np.random.default_rng(1).integers(0, 256, (1, 64, 64, 3), np.uint8)
     np.testing.assert_allclose(again.read(window).points, detector.read(window).points, atol=0.5)
-    np.testing.assert_allclose(again.jaw.weight, detector.jaw.weight, rtol=1e-6)
-    np.testing.assert_allclose(again.jaw.bias, detector.jaw.bias, rtol=1e-6)
+    own, before = again.calibration.jaw, detector.calibration.jaw
+    np.testing.assert_allclose(own.weight, before.weight, rtol=1e-6)
+    np.testing.assert_allclose(own.bias, before.bias, rtol=1e-6)
     for name in ("middle", "axes", "spreads"):
-        np.testing.assert_allclose(getattr(again.jaw.usual, name), getattr(detector.jaw.usual, name), rtol=1e-6)
+        np.testing.assert_allclose(getattr(own.usual, name), getattr(before.usual, name), rtol=1e-6)
 
 
 def test_a_detector_of_before_knows_no_usual_faces(detector):
     tensors, about = detector_to_checkpoint(detector)
     before = {name: value for name, value in tensors.items() if name not in JAW_USUAL}
-    jaw = detector_from_checkpoint(before, about, "it").jaw
+    jaw = detector_from_checkpoint(before, about, "it").calibration.jaw
     assert jaw.usual is None and jaw.weight.any()
+
+
+def test_regions_of_a_detector_of_before_are_where_its_pixels_are(detector):
+    tensors, about = detector_to_checkpoint(detector)
+    del about["shift"]
+    assert detector_from_checkpoint(tensors, about, "it").calibration.shift == (0.0, 0.0)
 
 
 def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
     tensors, about = detector_to_checkpoint(detector)
     before = {name: value for name, value in tensors.items() if not name.startswith("jaw.")}
-    jaw = detector_from_checkpoint(before, about, "it").jaw
+    jaw = detector_from_checkpoint(before, about, "it").calibration.jaw
     assert not jaw.weight.any() and np.array_equal(jaw.bias, JawPlaces.even().bias)
 
 
@@ -145,6 +154,8 @@ def test_a_detector_of_before_marks_jaws_at_equal_distances(detector):
         (lambda t, a: a.update(size=100), "expected a size that is a multiple of 32, found 100"),
         (lambda t, a: a.update(trust=0.0), "expected a trust from"),
         (lambda t, a: a.update(trust=101.0), "expected a trust from"),
+        (lambda t, a: a.update(shift=[0.1]), "expected a shift of two numbers up to 0.5"),
+        (lambda t, a: a.update(shift=[0.1, -0.6]), "expected a shift of two numbers up to 0.5"),
         (lambda t, a: a.update(network={"stem": 8}), "expected a network of stem, width, depth"),
         (lambda t, a: a["network"].update(width=10**9), "width must be from 8 to 512"),
         (lambda t, a: a.update(regions=["skin"]), "regions that caricli knows"),

@@ -50,7 +50,7 @@ def test_a_run_that_was_left_goes_on_to_the_same_bytes(pictures, tmp_path):
         assert (tmp_path / "left" / MODEL).read_bytes() == (tmp_path / "whole" / MODEL).read_bytes()
     report = read_json(tmp_path / "whole" / "model.json")
     detector = load_detector(tmp_path / "whole" / MODEL)
-    assert report["model_id"] == detector.model_id and report["trust"] == detector.trust
+    assert report["model_id"] == detector.model_id and report["trust"] == detector.calibration.trust
     assert report["validation"] == figures and report["epochs"] == 3
     assert detector.recipe["inputs"] == {"pictures.json": "0" * 64}
 

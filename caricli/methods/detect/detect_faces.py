@@ -31,7 +31,7 @@ def detect_faces(picture: np.ndarray, detector: Detector, settings: DetectSettin
     sought = seek_faces(picture, detector, settings)
     regions = sought.regions
     snapped = [snap_jaw(regions, snap_openings(picture, regions, face.landmarks)) for face in sought.faces]
-    marks = [mark_as_people(face, detector.jaw) for face in snapped]
+    marks = [mark_as_people(face, detector.calibration.jaw) for face in snapped]
     return Detection([replace(face, landmarks=own) for face, own in zip(sought.faces, marks, strict=True)], regions)
 
 
@@ -50,7 +50,7 @@ def seek_faces(picture: np.ndarray, detector: Detector, settings: DetectSettings
         search.at(search.settings.finer)
     pairs = sorted(search.pairs, key=lambda pair: -pair[0].frame.side)
     whole = mean_regions(search.glances)
-    own = [mean_regions([whole, WindowRegions(read.regions, read.matrix)]) for _, read in pairs]
+    own = [mean_regions([whole, read.shown]) for _, read in pairs]
     return Detection([face for face, _ in pairs], parse_picture(picture.shape[:2], whole, own))
 
 

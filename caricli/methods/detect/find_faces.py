@@ -44,7 +44,7 @@ def find_faces(
         window = cut_window(picture, matrix, (size[0], size[1]))
         cells, chances = detector.search(window)
         candidates += _peaks(cells, matrix, scale, settings.start)
-        glances.append(WindowRegions(chances, matrix))
+        glances.append(WindowRegions.of(chances, matrix, detector))
     return without_doubles(candidates, settings.alike)[: settings.most], glances
 
 

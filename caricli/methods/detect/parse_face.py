@@ -101,8 +101,8 @@ def parse_face(
     read = read_face(picture, frame, settings.second, detector)
     size = _WIDE * detector.size
     matrix = frame.matrix(size, _WIDE / settings.parse)
-    around = WindowRegions(detector.parse(cut_window(picture, matrix, (size, size))), matrix)
-    regions = parse_picture(picture.shape[:2], around, [WindowRegions(read.regions, read.matrix)])
+    around = WindowRegions.of(detector.parse(cut_window(picture, matrix, (size, size))), matrix, detector)
+    regions = parse_picture(picture.shape[:2], around, [read.shown])
     return ParsedFace(read, regions)
 
 

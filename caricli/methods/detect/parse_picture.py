@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.models.detector.config import HALF
+from caricli.models.detector.model import Detector
 
 _EDGE = 4
 """Pixels of a window's map at its edge, where the network has seen little around them."""
@@ -14,12 +15,17 @@ _EDGE = 4
 class WindowRegions:
     """What a window shows.
 
-    chances: (h, w, R) probabilities of regions, the pixel j at HALF j of the window. matrix: (2, 3) map from the
-    picture's pixels to the window's.
+    chances: (h, w, R) probabilities of regions. matrix: (2, 3) map from the picture's pixels to those of a window, of
+    which the pixel j of the chances is at HALF j.
     """
 
     chances: np.ndarray
     matrix: np.ndarray
+
+    @classmethod
+    def of(cls, chances: np.ndarray, matrix: np.ndarray, detector: Detector) -> "WindowRegions":
+        """What a detector sees in a window. matrix: (2, 3) map from the picture's pixels to the window's."""
+        return cls(chances, matrix - np.column_stack([np.zeros((2, 2)), detector.calibration.shift]))
 
 
 def parse_picture(shape: tuple[int, int], whole: WindowRegions, faces: list[WindowRegions]) -> np.ndarray:

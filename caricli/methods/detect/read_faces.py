@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from caricli.methods.detect.find_faces import frames_overlap
+from caricli.methods.detect.parse_picture import WindowRegions
 from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.config import HALF
 from caricli.models.detector.model import Detector
 from caricli.render.pixels.cut_window import cut_window
 from caricli.structures.detection import FaceFrame
@@ -17,8 +19,7 @@ class ReadFace:
     """A face as it was read.
 
     frame: FaceFrame in which it was. score: 0 to 1. points: (81, 2) pixels of the picture. spreads: (81, 2, 2) square
-    pixels. visible: (81,) 0 to 1. matrix: (2, 3) map from the picture's pixels to the window's. regions: (S / 2, S / 2,
-    R) probabilities, the pixel j at 2 j of the window.
+    pixels. visible: (81,) 0 to 1. shown: WindowRegions of its window.
     """
 
     frame: FaceFrame
@@ -26,8 +27,7 @@ class ReadFace:
     points: np.ndarray
     spreads: np.ndarray
     visible: np.ndarray
-    matrix: np.ndarray
-    regions: np.ndarray
+    shown: WindowRegions
 
     @property
     def spread(self) -> float:
@@ -69,15 +69,14 @@ def read_face(picture: np.ndarray, frame: FaceFrame, share: float, detector: Det
     spreads = (reading.covariance[0] + mirror @ reading.covariance[1, list(MIRRORED)] @ mirror) / 2
     spreads += apart[:, :, None] * apart[:, None, :]
     back = np.linalg.inv(matrix[:, :2])
-    regions = (reading.regions[0] + _mirrored_regions(reading.regions[1])) / 2
+    turned_regions = _mirrored_regions(reading.regions[1], detector.calibration.shift[0])
     return ReadFace(
         frame,
         float(reading.score.mean()),
         ((reading.points[0] + turned) / 2 - matrix[:, 2]) @ back.T,
         _symmetric(back @ spreads @ back.T),
         (reading.visible[0] + reading.visible[1, list(MIRRORED)]) / 2,
-        matrix,
-        regions,
+        WindowRegions.of((reading.regions[0] + turned_regions) / 2, matrix, detector),
     )
 
 
@@ -85,7 +84,11 @@ def _symmetric(matrices: np.ndarray) -> np.ndarray:
     return (matrices + matrices.swapaxes(-1, -2)) / 2
 
 
-def _mirrored_regions(regions: np.ndarray) -> np.ndarray:
-    """Regions (h, w, R) of a mirrored window as in the window itself: there they are half a pixel to the right."""
+def _mirrored_regions(regions: np.ndarray, shift: float) -> np.ndarray:
+    """Regions (h, w, R) of a mirrored window as in the window itself: there they lie farther to the right.
+
+    shift: pixels of the window that regions are to the right of 2 j; those of a mirrored one are to the left.
+    """
     turned = regions[:, ::-1]
-    return (turned + np.concatenate([turned[:, :1], turned[:, :-1]], axis=1)) / 2
+    farther = (1 - 2 * shift) / HALF
+    return turned + farther * (np.concatenate([turned[:, :1], turned[:, :-1]], axis=1) - turned)

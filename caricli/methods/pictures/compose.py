@@ -93,7 +93,7 @@ class Easel:
         sides = (self.size, self.size)
         bright = to_srgb(_exposed(image, region, generator)).astype(np.float32)
         exposed = cv2.resize(bright, sides, interpolation=cv2.INTER_AREA)
-        labels = cv2.resize(region, sides, interpolation=cv2.INTER_NEAREST)
+        labels = cv2.resize(region, sides, interpolation=cv2.INTER_NEAREST_EXACT)
         drawn = MEDIA[medium][0](exposed, labels, generator)
         return to_bytes(drawn), labels
 

@@ -79,7 +79,7 @@ def picture_evidence(face: Face, points: np.ndarray, picture: ParsedPicture) -> 
     if picture.regions is not None:
         first = corner.astype(int)
         labels = picture.regions[first[1] : first[1] + len(crop), first[0] : first[0] + crop.shape[1]]
-        labels = cv2.resize(labels, size.tolist(), interpolation=cv2.INTER_NEAREST)
+        labels = cv2.resize(labels, size.tolist(), interpolation=cv2.INTER_NEAREST_EXACT)
         skin = np.clip(skin + _SETTINGS.label * _ear_odds(labels), -1, 1)
         hiding = np.isin(labels, _HIDING)
     gradient = _gradient(lab)

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from scipy.special import expit
 
-from caricli.errors import InputError, naming, shown
+from caricli.errors import InputError, naming
 from caricli.io.kept import kept_arrays
 from caricli.models.checkpoint import model_id
 from caricli.models.checks import check_schema, network_size, window_side
+from caricli.models.detector.calibration import Calibration, calibration_of
 from caricli.models.detector.config import COARSE, FINE, HALF, REACH, STEP, DetectorSize
 from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.landmark_heads import LandmarkHeads
@@ -24,9 +25,6 @@ from caricli.structures.parsing import Region
 SCHEMA = "caricli.detector/1"
 LANDMARKS = max(SCHEMES)
 """Landmarks that are found."""
-
-TRUST = (0.01, 100.0)
-"""Of what doubts are multiplied by, the least and the most."""
 
 _SIDES = (64, 512)
 
@@ -56,7 +54,7 @@ class Reading:
     """What windows show of one face each, in their pixels.
 
     points: (B, 81, 2). covariance: (B, 81, 2, 2) square pixels. visible: (B, 81) 0 to 1. score: (B,) 0 to 1, of the
-    face in the middle. regions: (B, S / 2, S / 2, R) probabilities; the pixel j is at 2 j of the window.
+    face in the middle. regions: (B, S / 2, S / 2, R) probabilities; for where they lie see Calibration.
     """
 
     points: np.ndarray
@@ -75,20 +73,18 @@ class Detector:
         self,
         weights: DetectorWeights,
         size: int,
-        trust: float = 1.0,
+        calibration: Calibration | None = None,
         recipe: Any = None,
-        jaw: JawPlaces | None = None,
     ) -> None:
-        """weights: DetectorWeights. size: of windows it was trained on, pixels. trust: what doubts are multiplied by.
+        """weights: DetectorWeights. size: of windows it was trained on, pixels. calibration: None for nothing known.
 
-        recipe: JSON value, how it was trained, or None. jaw: JawPlaces, or None for equal distances.
+        recipe: JSON value, how it was trained, or None.
         Raises InputError for the weights of another network.
         """
         self.weights = weights
         self.size = size
-        self.trust = trust
+        self.calibration = calibration or Calibration()
         self.recipe = recipe
-        self.jaw = JawPlaces.even() if jaw is None else jaw
         self._heads = LandmarkHeads.of(weights.arrays, LANDMARKS, weights.size.widths[0])
         self._session = network_session(_graph(weights))
 
@@ -99,8 +95,9 @@ class Detector:
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name: of the network, in half precision, and where the jaw's points are."""
-        jaw = {JAW_WEIGHT: self.jaw.weight, JAW_BIAS: self.jaw.bias}
-        usual = self.jaw.usual
+        places = self.calibration.jaw
+        jaw = {JAW_WEIGHT: places.weight, JAW_BIAS: places.bias}
+        usual = places.usual
         if usual is not None:
             jaw |= dict(zip(JAW_USUAL, (usual.middle, usual.axes, usual.spreads), strict=True))
         exact = {name: array.astype(np.float32) for name, array in jaw.items()}
@@ -115,7 +112,7 @@ class Detector:
         return face_cells(faces[0]), by_pixels(chances)[0]
 
     def parse(self, window: np.ndarray) -> np.ndarray:
-        """Probabilities of regions (H / 2, W / 2, R) of such a window; the pixel j is at 2 j of the window."""
+        """Probabilities of regions (H / 2, W / 2, R) of such a window; for where they lie see Calibration."""
         (chances,) = self._run(window[None], CHANCES)
         return by_pixels(chances)[0]
 
@@ -126,7 +123,7 @@ class Detector:
         middle = slice(self.size // COARSE // 2 - 1, self.size // COARSE // 2 + 1)
         return Reading(
             (places.mean + 0.5) * FINE - 0.5,
-            places.covariance * (FINE * self.trust) ** 2,
+            places.covariance * (FINE * self.calibration.trust) ** 2,
             expit(places.visible),
             expit(faces[:, 0, middle, middle].max((1, 2)).astype(np.float64)),
             by_pixels(chances),
@@ -165,7 +162,8 @@ def face_cells(grid: np.ndarray) -> FaceCells:
 def detector_to_checkpoint(detector: Detector) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """A detector as (tensors, metadata), from which ``detector_from_checkpoint`` rebuilds it."""
     about = {"schema": SCHEMA, "network": asdict(detector.weights.size), "size": detector.size}
-    about |= {"trust": detector.trust, "regions": [region.name.lower() for region in Region]}
+    about |= {"trust": detector.calibration.trust, "shift": list(detector.calibration.shift)}
+    about["regions"] = [region.name.lower() for region in Region]
     about["recipe"] = detector.recipe
     return detector.tensors(), about
 
@@ -181,15 +179,13 @@ def detector_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mappin
         if metadata.get("regions") != [region.name.lower() for region in Region]:
             raise InputError("expected a detector of the regions that caricli knows, found another")
         size = window_side(metadata.get("size"), _SIDES, STEP)
-        trust = metadata.get("trust")
-        if not isinstance(trust, float) or not TRUST[0] <= trust <= TRUST[1]:
-            raise InputError(f"expected a trust from {TRUST[0]:g} to {TRUST[1]:g}, found {shown(trust, 60)!r}")
+        calibration = calibration_of(metadata, _jaw(tensors))
         own = {name: array for name, array in tensors.items() if name not in (JAW_WEIGHT, JAW_BIAS, *JAW_USUAL)}
         network = metadata.get("network")
         if isinstance(network, dict):
             network = {"finer": 0} | network  # which detectors of before had not
         weights = DetectorWeights(own, network_size(network, DetectorSize))
-        return Detector(weights, size, trust, metadata.get("recipe"), _jaw(tensors))
+        return Detector(weights, size, calibration, metadata.get("recipe"))
 
 
 def _jaw(tensors: Mapping[str, np.ndarray]) -> JawPlaces | None:

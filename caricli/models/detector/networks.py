@@ -11,8 +11,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.config import HALF, DetectorSize
-from caricli.models.detector.jaw_places import JawPlaces
 from caricli.models.detector.model import LANDMARKS, Detector
 from caricli.models.detector.weights import DetectorWeights
 from caricli.models.network_weights import load_weights, network_weights
@@ -131,10 +131,10 @@ class DetectorNetwork(nn.Module):
 
 
 def detector_of(
-    network: DetectorNetwork, size: int, trust: float = 1.0, recipe: Any = None, jaw: JawPlaces | None = None
+    network: DetectorNetwork, size: int, calibration: Calibration | None = None, recipe: Any = None
 ) -> Detector:
     """The Detector that uses the weights of a network, in half precision. For the others see Detector."""
-    return Detector(DetectorWeights(network_weights(network), network.size), size, trust, recipe, jaw)
+    return Detector(DetectorWeights(network_weights(network), network.size), size, calibration, recipe)
 
 
 def network_of(detector: Detector) -> DetectorNetwork:

@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import cv2
 import numpy as np
 import pytest
@@ -8,9 +10,12 @@ from caricli.methods.detect.find_faces import Candidate, frames_overlap
 from caricli.methods.detect.parse_picture import WindowRegions, parse_picture
 from caricli.methods.detect.read_faces import ReadFace
 from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.calibration import Calibration
 from caricli.structures.detection import FaceFrame
 from caricli.structures.parsing import Region
 from tests.drawn_pictures import mean_shape
+
+NOTHING = WindowRegions(np.zeros((32, 32, len(Region))), np.eye(2, 3))
 
 
 def test_faces_are_found_where_they_are_and_none_where_there_is_none(trained):
@@ -45,7 +50,7 @@ def test_what_is_beyond_the_edge_or_vague_is_not_known(head_template):
     spreads = np.tile(np.eye(2), (81, 1, 1))
     spreads[60] = np.diag([1.0, 400.0])
     frame = FaceFrame.of(points)
-    read = ReadFace(frame, 0.9, points, spreads, np.ones(81), frame.matrix(64, 1.6), np.zeros((32, 32, 16)))
+    read = ReadFace(frame, 0.9, points, spreads, np.ones(81), NOTHING)
     face = _face(Candidate(frame, 0.9), read, (100, 120), DetectSettings())
     spaced = space_jaw(points)
     unknown = (spaced[:, 0] > 101) | (np.arange(81) == 60)
@@ -64,14 +69,30 @@ def test_any_picture_can_be_asked(trained, shape):
     assert found.regions.shape == shape and found.regions.dtype == np.uint8
 
 
-def test_regions_lie_where_they_were_seen():
-    chances = np.full((32, 32, 16), 0.01)
+def seen_eyes():
+    """(32, 32, R) probabilities."""
+    chances = np.full((32, 32, len(Region)), 0.01)
     chances[..., Region.BACKGROUND] = 0.5
     chances[8:16, 4:12, Region.EYES] = 1
+    return chances
+
+
+def test_regions_lie_where_they_were_seen():
     scale = 0.5
     matrix = np.array([[scale, 0, 0], [0, scale, 0]])
-    regions = parse_picture((128, 128), WindowRegions(chances, matrix), [])
+    regions = parse_picture((128, 128), WindowRegions(seen_eyes(), matrix), [])
     y, x = np.nonzero(regions == Region.EYES)
     # A pixel j of the map is at 2 j of the window, at 4 j of the picture.
     assert x.min() == pytest.approx(4 * 3.5, abs=1.5) and x.max() == pytest.approx(4 * 11.5, abs=1.5)
     assert y.min() == pytest.approx(4 * 7.5, abs=1.5) and y.max() == pytest.approx(4 * 15.5, abs=1.5)
+
+
+def test_regions_lie_as_far_aside_as_the_detector_is_known_to_see_them():
+    matrix = np.array([[0.05, 0, 0], [0, 0.05, 0]])
+    shifted = SimpleNamespace(calibration=Calibration(shift=(0.4, -0.2)))
+    middles = []
+    for window in (WindowRegions(seen_eyes(), matrix), WindowRegions.of(seen_eyes(), matrix, shifted)):
+        y, x = np.nonzero(parse_picture((1280, 1280), window, []) == Region.EYES)
+        middles.append(np.array([x.mean(), y.mean()]))
+    # Pixels of the window are 20 of the picture.
+    np.testing.assert_allclose(middles[1] - middles[0], [8, -4], atol=1)

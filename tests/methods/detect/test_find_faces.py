@@ -5,6 +5,7 @@ import pytest
 
 from caricli.methods.detect.find_faces import Candidate, common_share, find_faces, frames_overlap, without_doubles
 from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.model import Detector, FaceCells
 from caricli.structures.detection import FaceFrame
 
@@ -14,6 +15,7 @@ class Seer(Detector):
 
     def __init__(self):
         self.size = 128
+        self.calibration = Calibration()
 
     def search(self, window):
         height, width = (length // 16 for length in window.shape[:2])

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from caricli.methods.detect.parse_picture import WindowRegions
 from caricli.methods.detect.read_faces import ReadFace, look_at_face, read_face
 from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.calibration import Calibration
 from caricli.structures.detection import FaceFrame, turn_axes
 from caricli.structures.landmarks import JAW, MIRRORED
 from tests.drawn_pictures import mean_shape
@@ -30,19 +32,20 @@ def read(picture, untrained):
     return look_at_face(picture, FRAME, untrained, TWICE)
 
 
-def copier(apart):
+def copier(apart, shift=(0.0, 0.0)):
     """Something that sees points in the middles of windows, to the right of them by so many pixels, and as regions
-    what windows show."""
+    what windows of brightness that grows evenly show, shifted by pixels."""
     order = np.arange(81)
 
     def read(windows):
         points = np.full((2, 81, 2), 31.5) + [apart, 0]
         spreads = np.tile(np.eye(2), (2, 81, 1, 1))
         visible = np.stack([order, order]) / 81
-        regions = windows[:, ::2, ::2].astype(float)
+        values = windows.astype(float)
+        regions = values[:, ::2, ::2] + shift[0] * np.gradient(values, axis=2)[:, ::2, ::2]
         return SimpleNamespace(points=points, covariance=spreads, visible=visible, regions=regions, score=np.ones(2))
 
-    return SimpleNamespace(size=64, read=read)
+    return SimpleNamespace(size=64, read=read, calibration=Calibration(shift=shift))
 
 
 def test_where_a_window_and_its_mirror_image_differ_is_doubt():
@@ -55,11 +58,14 @@ def test_where_a_window_and_its_mirror_image_differ_is_doubt():
         np.testing.assert_allclose(read.visible, (np.arange(81) + mirrored) / 162)
 
 
-def test_regions_of_both_windows_lie_on_each_other():
+@pytest.mark.parametrize("shift", [0.0, 0.4])
+def test_regions_of_both_windows_lie_on_each_other(shift):
     """Of brightness that grows from the left to the right."""
     ramp = np.broadcast_to(4 * np.arange(64, dtype=np.uint8)[:, None], (64, 64, 3))
-    read = read_face(ramp, FaceFrame(np.array([31.5, 31.5]), 64.0, 0.0), 1.0, copier(0.0))
-    np.testing.assert_allclose(read.regions[8, 1:-1, 0], 8 * np.arange(1, 31), atol=0.6)
+    frame = FaceFrame(np.array([31.5, 31.5]), 64.0, 0.0)
+    shown = read_face(ramp, frame, 1.0, copier(0.0, (shift, 0.0))).shown
+    np.testing.assert_allclose(shown.chances[8, 1:-1, 0], 4 * (2 * np.arange(1, 31) + shift), atol=0.6)
+    np.testing.assert_allclose(shown.matrix[:, 2], frame.matrix(64, 1.0)[:, 2] - [shift, 0])
 
 
 def test_looks_go_on_until_their_frames_agree(monkeypatch, head_template):
@@ -71,9 +77,8 @@ def test_looks_go_on_until_their_frames_agree(monkeypatch, head_template):
     def read(_picture, frame, share, _detector):
         shares.append(share)
         points = truth + (frame.centre - place.centre) / 2
-        return ReadFace(
-            frame, 0.9, points, np.tile(np.eye(2), (81, 1, 1)), np.ones(81), np.eye(2, 3), np.zeros((4, 4, 16))
-        )
+        nothing = WindowRegions(np.zeros((4, 4, 16)), np.eye(2, 3))
+        return ReadFace(frame, 0.9, points, np.tile(np.eye(2), (81, 1, 1)), np.ones(81), nothing)
 
     monkeypatch.setattr("caricli.methods.detect.read_faces.read_face", read)
     settings = DetectSettings(looks=9)

@@ -14,6 +14,7 @@ from caricli.methods.detect.find_faces import Candidate
 from caricli.methods.detect.parse_picture import WindowRegions
 from caricli.methods.detect.read_faces import ReadFace
 from caricli.methods.detect.settings import DetectSettings
+from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.model import Detector
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 from caricli.structures.landmarks import EYES, JAW, MOUTH, OUTLINE
@@ -43,10 +44,8 @@ def seek(head_template, monkeypatch):
 
         def look(_picture, frame, *_):
             points = marks[int(frame.roll)]
-            seen = np.zeros((4, 4, len(Region)))
-            return ReadFace(
-                frame, 0.9, points, np.tile(spread**2 * np.eye(2), (81, 1, 1)), np.ones(81), np.eye(2, 3), seen
-            )
+            seen = WindowRegions(np.zeros((4, 4, len(Region))), np.eye(2, 3))
+            return ReadFace(frame, 0.9, points, np.tile(spread**2 * np.eye(2), (81, 1, 1)), np.ones(81), seen)
 
         monkeypatch.setattr(module, "find_faces", find)
         monkeypatch.setattr(module, "look_at_face", look)
@@ -93,7 +92,7 @@ def test_what_is_read_goes_to_lips_lids_and_jaw_of_the_picture_and_then_to_where
     points[JAW] = points[JAW].mean(0) + 0.9 * (points[JAW] - points[JAW].mean(0))
     read = DetectedFace(FaceFrame.of(points), 0.9, replace(face.marks, points=points))
     monkeypatch.setattr(module, "seek_faces", lambda *_: Detection([read], regions))
-    detection = detect_faces(face.image, cast(Detector, SimpleNamespace(jaw=JAW_PLACES)))
+    detection = detect_faces(face.image, cast(Detector, SimpleNamespace(calibration=Calibration(jaw=JAW_PLACES))))
     marks = detection.faces[0].landmarks
     for part in (EYES, MOUTH, range(4, 13)):
         before, after = (

@@ -193,3 +193,15 @@ def test_pictures_are_exposed_for_the_skin_however_bright_they_are():
         assert exposed[20, 20, 0] == pytest.approx(brighter[20, 20, 0]) or exposed[20, 20, 0] < 0.3 * 0.6 + 1e-9
         ratios.append(exposed[20, 20, 0])
     assert 0.1 < min(ratios) and max(ratios) < 1.3 and np.median(ratios) == pytest.approx(0.65, abs=0.07)
+
+
+def test_regions_lie_where_the_picture_shows_them(asked):
+    """Of a picture that is drawn larger: the middle of a square, whose colour is the only one of its kind."""
+    easel = Easel(SIZE, replace(ALONE, drawn=1.5))
+    for number in range(4):
+        drawn = easel.compose(SITTERS, number, np.random.default_rng(number))
+        shown = np.abs(drawn.image.astype(float) - drawn.image[0, 0]).sum(2)
+        weights = shown / shown.sum()
+        places = np.indices(shown.shape)
+        middles = [(places * part).sum((1, 2)) / part.sum() for part in (weights, drawn.region == Region.SKIN)]
+        np.testing.assert_allclose(middles[1], middles[0], atol=0.17)

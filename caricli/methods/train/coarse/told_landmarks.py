@@ -100,7 +100,7 @@ class Seer:
         """detector: as it is."""
         self.network = network_of(detector)
         self.size = detector.size
-        self.trust = detector.trust
+        self.trust = detector.calibration.trust
 
     @torch.no_grad()
     def see(self, pixels: torch.Tensor, parsed: int = 0) -> tuple[torch.Tensor, torch.Tensor]:

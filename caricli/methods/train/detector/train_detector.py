@@ -14,7 +14,7 @@ from caricli.methods.train.detector.windows_again import joined_windows, picked_
 from caricli.methods.train.kernel_muon import normalised_kernels
 from caricli.methods.train.network_training import NetworkTraining, require_faces
 from caricli.methods.train.processes import ALL, Share
-from caricli.models.detector.config import FINE, DetectorConfig
+from caricli.models.detector.config import FINE, HALF, DetectorConfig
 from caricli.models.detector.networks import DetectorNetwork
 from caricli.render.pixels.cut_window import cut_window
 from caricli.seeds import TrainingSeed
@@ -98,7 +98,7 @@ class DetectorTraining(NetworkTraining):
             maps = self.network.read(fine[:crops])
         loss, distance = landmark_loss(maps, batch.points, batch.visible, config.size, config)
         loss = loss + config.face_weight * face_loss(grid, batch.targets)
-        return loss + config.parsing_weight * region_loss(regions, batch.regions), distance
+        return loss + config.parsing_weight * region_loss(regions, batch.regions[:, ::HALF, ::HALF]), distance
 
     @torch.no_grad()
     def _validate(self) -> float:

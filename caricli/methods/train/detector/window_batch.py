@@ -12,7 +12,7 @@ from caricli.methods.train.detector.disguise_picture import disguise_window
 from caricli.methods.train.detector.split_pictures import evenly_jawed
 from caricli.methods.train.detector.windows import WindowSettings, any_window, face_window
 from caricli.methods.train.processes import Share
-from caricli.models.detector.config import HALF, DetectorConfig
+from caricli.models.detector.config import DetectorConfig
 from caricli.seeds import TrainingSeed
 from caricli.structures.detection import MarkedPicture
 
@@ -39,8 +39,8 @@ class Pictures(Protocol):
 class WindowBatch:
     """B windows of S pixels, of which the first C hold one face each, as arrays or, on a device, as tensors.
 
-    pixels: (B, S, S, 3) uint8. regions: (B, S / 2, S / 2) uint8, every other pixel. points: (C, L, 2) pixels and
-    visible: (C, L) bool, of the first. targets: FaceTargets of the others.
+    pixels: (B, S, S, 3) uint8. regions: (B, S, S) uint8. points: (C, L, 2) pixels and visible: (C, L) bool, of the
+    first. targets: FaceTargets of the others.
     """
 
     pixels: Any
@@ -55,7 +55,7 @@ class WindowBatch:
         faces = windows[:crops]
         return WindowBatch(
             np.stack([np.rint(255 * window.pixels).astype(np.uint8) for window in windows]),
-            np.stack([window.regions[::HALF, ::HALF] for window in windows]),
+            np.stack([window.regions for window in windows]),
             np.stack([window.landmarks[0] for window in faces]).astype(np.float32),
             np.stack([window.visible[0] for window in faces]),
             FaceTargets.of(windows[crops:], len(windows[0].pixels)),

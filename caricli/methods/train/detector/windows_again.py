@@ -8,7 +8,6 @@ from torch.nn import functional
 
 from caricli.methods.train.detector.detector_losses import FaceTargets
 from caricli.methods.train.detector.window_batch import WindowBatch
-from caricli.models.detector.config import HALF
 from caricli.structures.landmarks import MIRRORED
 from caricli.structures.parsing import BEYOND
 
@@ -103,10 +102,9 @@ def bent_windows(windows: WindowBatch, moves: torch.Tensor) -> WindowBatch:
     shares = (2 * sources + 1) / size - 1
     pixels = windows.pixels[:crops].permute(0, 3, 1, 2).float()
     pixels = functional.grid_sample(pixels, shares, padding_mode="border", align_corners=False)
-    # Every other pixel has a region; what lies beyond the window has the one after the last.
-    coarse = (sources[:, ::HALF, ::HALF] / HALF + 0.5) / (size / HALF) * 2 - 1
+    # What lies beyond the window has the region after the last.
     regions = windows.regions[:crops, None].float() - BEYOND
-    regions = functional.grid_sample(regions, coarse, mode="nearest", align_corners=False)[:, 0] + BEYOND
+    regions = functional.grid_sample(regions, shares, mode="nearest", align_corners=False)[:, 0] + BEYOND
     return replace(
         windows,
         pixels=torch.cat([pixels.round().to(torch.uint8).permute(0, 2, 3, 1), windows.pixels[crops:]]),

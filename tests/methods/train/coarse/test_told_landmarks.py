@@ -7,6 +7,7 @@ from caricli.geometry.lines.space_jaw import space_jaw
 from caricli.methods.detect.read_faces import read_face
 from caricli.methods.train.coarse.coarse_faces import CoarseWindow, TrueFace
 from caricli.methods.train.coarse.told_landmarks import FaceMixer, Seer, ToldSettings, cut_landmarks, hand_marked
+from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.config import DetectorSize
 from caricli.models.detector.networks import DetectorNetwork, detector_of
 from caricli.store.models import load_morphable
@@ -17,7 +18,7 @@ from caricli.structures.parsing import Region
 def test_it_sees_what_readers_of_pictures_see():
     network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), torch.Generator().manual_seed(0))
     torch.nn.init.normal_(network.heat.weight, std=3.0, generator=torch.Generator().manual_seed(1))
-    detector = detector_of(network, 64, 1.5)
+    detector = detector_of(network, 64, Calibration(1.5))
     generator = np.random.default_rng(0)
     picture = generator.integers(0, 256, (64, 64, 3), np.uint8)
     # A frame whose window is the picture.
