@@ -35,13 +35,14 @@ def is_image_file(path: str | Path) -> bool:
     return head.startswith(_BEGINNINGS) or (head.startswith(b"RIFF") and head[_WEBP] == b"WEBP")
 
 
-def read_image(path: str | Path, any_ink: bool = False) -> np.ndarray:
+def read_image(path: str | Path, any_ink: bool = False, opaque: bool = False) -> np.ndarray:
     """Read a picture as RGB.
 
     It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
     the first frame is read; 16-bit greys, and fractions that go up to 1, are scaled to 8 bits.
     path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS, at most MAX_IMAGE_SIDE wide or high. any_ink:
-    whether transparent pixels are laid over black paper where what is drawn is nearly white.
+    whether transparent pixels are laid over black paper where what is drawn is nearly white. opaque: whether pixels
+    keep their colours, however transparent they are.
     Returns (H,W,3) uint8.
     Raises InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
     """
@@ -57,7 +58,7 @@ def read_image(path: str | Path, any_ink: bool = False) -> np.ndarray:
                 width, height = image.size
                 check_size(path, width, height)
                 image.load()
-                return _rgb(ImageOps.exif_transpose(image), Image, any_ink)
+                return _rgb(ImageOps.exif_transpose(image), Image, any_ink, opaque)
     except InputError:
         raise
     except Image.UnidentifiedImageError:
@@ -131,7 +132,7 @@ def gray_png(image: np.ndarray) -> bytes:
     return stream.getvalue()
 
 
-def _rgb(image: Any, pillow: Any, any_ink: bool) -> np.ndarray:
+def _rgb(image: Any, pillow: Any, any_ink: bool, opaque: bool) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         # Pillow clips these to 255 on conversion instead of scaling them.
         values = np.array(image, np.float32)
@@ -143,7 +144,7 @@ def _rgb(image: Any, pillow: Any, any_ink: bool) -> np.ndarray:
         np.clip(values, 0, 255, out=values)
         grey = values.round(out=values).astype(np.uint8)
         return np.repeat(grey[:, :, None], 3, axis=2)
-    if image.has_transparency_data:
+    if image.has_transparency_data and not opaque:
         image = image.convert("RGBA")
         paper = "black" if any_ink and _is_bright(image) else "white"
         image = pillow.alpha_composite(pillow.new("RGBA", image.size, paper), image)

@@ -825,6 +825,25 @@ def test_a_picture_as_webp_is_read(full_rig, tmp_path):
     np.testing.assert_array_equal(read_gltf(tmp_path / "a.gltf").pictures.skin, full_rig.pictures.skin)
 
 
+@pytest.mark.parametrize(
+    ("mode", "expected"),
+    [
+        ({}, (100, 50, 20)),
+        ({"alphaMode": "OPAQUE"}, (100, 50, 20)),
+        ({"alphaMode": "MASK"}, (255, 255, 255)),
+        ({"alphaMode": "BLEND"}, (255, 255, 255)),
+    ],
+)
+def test_alpha_of_an_opaque_material_says_nothing(mode, expected, tmp_path):
+    document, binary, *_ = foreign()
+    clear = np.full((4, 4, 4), (100, 50, 20, 0), np.uint8)
+    uri = "data:image/png;base64," + base64.b64encode(png_bytes(clear)).decode()
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}} | mode]
+    document["meshes"][1]["primitives"][0]["material"] = 0
+    put_together(tmp_path / "a.glb", document | {"textures": [{"source": 0}], "images": [{"uri": uri}]}, binary)
+    assert (read_gltf(tmp_path / "a.glb").pictures.skin == expected).all()
+
+
 def test_moods_are_variants_of_the_skins_material_and_come_back(full_rig, tmp_path):
     rig = moody(haired(full_rig))
     write_gltf(tmp_path / "a.glb", rig)

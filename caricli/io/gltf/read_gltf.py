@@ -29,6 +29,7 @@ _TRIANGLES = 4
 # What these extensions change is how things look, never where vertices are.
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
 _WEBP = "EXT_texture_webp"
+_SEEN_THROUGH = ("MASK", "BLEND")
 _SAME_PLACE = 1e-5
 _NUMBER = re.compile(r"\.\d{3}$")
 
@@ -332,7 +333,8 @@ def _image(document: Document, material: dict) -> np.ndarray | None:
         else:
             data = bytes(document.view_bytes(document.item(image, "bufferView", "bufferViews")))
         write_bytes(Path(folder) / "image", data)
-        return read_image(Path(folder) / "image")
+        # Elsewhere than where it is to be blended or cut out, alpha says nothing.
+        return read_image(Path(folder) / "image", opaque=material.get("alphaMode") not in _SEEN_THROUGH)
     return None
 
 
