@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from caricli.errors import InputError
@@ -51,7 +52,10 @@ def retouch_texture(face: Face, picture: np.ndarray, chart: FaceChart) -> Retouc
     if len(texture) != texture.shape[1]:
         raise InputError(f"expected a face with a square texture, found {texture.shape[1]} x {len(texture)}")
     grid = ChartGrid(chart, height)
-    own = texture_to_chart(texture, face.mesh, grid)
+    written = texture_to_chart(texture, face.mesh, ChartGrid(chart, len(texture)))
+    # As programs resize what they are given; another sampling of the texture would count as touched.
+    way = cv2.INTER_AREA if height < len(texture) else cv2.INTER_CUBIC
+    own = cv2.resize(written, (width, height), interpolation=way)
     skin = grid.covered & ~grid.mouth
     change = np.where(skin[..., None], picture.astype(np.float32) - own, 0)
     back = chart_to_texture(change, face.mesh, grid, len(texture))
