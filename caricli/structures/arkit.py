@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -62,13 +63,23 @@ def is_half(name: str) -> bool:
     return whole is not None and plain_name(name) != whole.lower()
 
 
+def start_of(name: str) -> str:
+    """The action that what a name means starts from, see ``STARTS``; empty where it starts from none."""
+    return STARTS.get(arkit_name(name) or "", "")
+
+
 def start_delta(names: Sequence[str], deltas: np.ndarray, k: int) -> np.ndarray:
     """What expression k is added to besides the neutral face: the displacements (V, 3) of another one, or zeros.
 
-    names: (K,) of expressions. deltas: (K, V, 3) of each alone.
+    names: (K,) of expressions, see ``arkit_name``. deltas: (K, V, 3) of each alone.
     """
-    base = STARTS.get(names[k])
-    return deltas[names.index(base)] if base in names else np.zeros_like(deltas[k])
+    return deltas[_doing(start_of(names[k]), names)].sum(0)
+
+
+def _doing(action: str, names: Sequence[str]) -> list[int]:
+    """Numbers of the expressions, (K,) names, that do an action together: the one that does it whole, or its halves."""
+    alike = [k for k, name in enumerate(names) if action and arkit_name(name) == action]
+    return [k for k in alike if not is_half(names[k])][:1] or alike
 
 
 def within_reach(weights: np.ndarray, names: Sequence[str]) -> np.ndarray:
@@ -99,9 +110,9 @@ def reachable(weights: Mapping[str, float]) -> dict[str, float]:
 
 
 def opposites(names: Sequence[str]) -> tuple[tuple[int, int], ...]:
-    """Pairs of numbers of expressions that are ``OPPOSITES``. names: (K,) of expressions."""
-    both = [pair for pair in OPPOSITES.items() if set(pair) <= set(names)]
-    return tuple((names.index(one), names.index(other)) for one, other in both)
+    """Pairs of numbers of expressions that are ``OPPOSITES``. names: (K,) of expressions, see ``arkit_name``."""
+    both = [product(_doing(one, names), _doing(other, names)) for one, other in OPPOSITES.items()]
+    return tuple(pair for pairs in both for pair in pairs)
 
 
 def action_codes(expressions: Sequence[Mapping[str, float]]) -> np.ndarray:
@@ -112,10 +123,9 @@ def action_codes(expressions: Sequence[Mapping[str, float]]) -> np.ndarray:
 def uses(names: Sequence[str]) -> np.ndarray:
     """(K, K) the weights of expressions that using one of them means: its own, and that of what it starts from.
 
-    names: (K,) of expressions.
+    names: (K,) of expressions, see ``arkit_name``.
     """
     weights = np.eye(len(names))
-    for name, base in STARTS.items():
-        if name in names and base in names:
-            weights[names.index(name), names.index(base)] = 1
+    for k, name in enumerate(names):
+        weights[k, _doing(start_of(name), names)] = 1
     return weights

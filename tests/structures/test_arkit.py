@@ -1,7 +1,16 @@
 import numpy as np
 import pytest
 
-from caricli.structures.arkit import ARKIT_NAMES, arkit_name, is_half, reachable, within_reach
+from caricli.structures.arkit import (
+    ARKIT_NAMES,
+    arkit_name,
+    is_half,
+    opposites,
+    reachable,
+    start_delta,
+    uses,
+    within_reach,
+)
 
 
 @pytest.mark.parametrize(
@@ -33,6 +42,25 @@ def test_halves_are_those_of_whole_actions():
 @pytest.mark.parametrize("names", [("jawOpen", "mouthClose"), ("JawOpen", "blendShape1.mouthClose")])
 def test_names_that_mean_actions_limit_each_other(names):
     np.testing.assert_array_equal(within_reach(np.array([[0, 1], [0.2, 1]]), names), [[0, 0], [0.2, 0.2]])
+
+
+@pytest.mark.parametrize("names", [("jawOpen", "mouthClose"), ("JawOpen", "MouthClose"), ("jaw_open", "mouth_close")])
+def test_names_that_mean_actions_start_from_each_other(names):
+    deltas = np.random.default_rng(3).normal(size=(2, 5, 3))
+    np.testing.assert_array_equal(uses(names), [[1, 0], [1, 1]])
+    np.testing.assert_array_equal(start_delta(names, deltas, 0), np.zeros((5, 3)))
+    np.testing.assert_array_equal(start_delta(names, deltas, 1), deltas[0])
+
+
+def test_what_starts_from_an_action_starts_from_both_halves_of_it_or_from_the_whole():
+    np.testing.assert_array_equal(uses(("mouthClose", "jawOpen_L", "jawOpen_R"))[0], [1, 1, 1])
+    np.testing.assert_array_equal(uses(("mouthClose", "jawOpen_L", "jawOpen_R", "JawOpen"))[0], [1, 0, 0, 1])
+    np.testing.assert_array_equal(uses(("mouthClose", "grin")), np.eye(2))
+
+
+@pytest.mark.parametrize("names", [("mouthFrownLeft", "mouthSmileLeft"), ("MouthFrownLeft", "mouthSmile_L")])
+def test_names_that_mean_actions_are_opposites(names):
+    assert opposites(names) == ((1, 0),) and opposites(names[:1]) == ()
 
 
 def test_of_two_halves_the_stronger_limits():

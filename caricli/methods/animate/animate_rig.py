@@ -14,7 +14,7 @@ from caricli.methods.animate.resample_weights import resample_weights
 from caricli.methods.animate.smooth_weights import smooth_weights
 from caricli.methods.animate.turn_head import turn_head, within_half_turns
 from caricli.structures import Animation, Rig, Track
-from caricli.structures.arkit import STARTS, arkit_name, within_reach
+from caricli.structures.arkit import arkit_name, start_of, within_reach
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,5 @@ def animate_rig(
 
 def _scales(names: Sequence[str], given: Mapping[str, float]) -> np.ndarray:
     """(K,) factors of expressions of a rig. given: some of them, by name."""
-    actions = {arkit_name(name): scale for name, scale in given.items()} | {None: 1.0}
-    starts = [STARTS.get(arkit_name(name) or "") for name in names]
-    return np.array([given.get(name, actions.get(start, 1.0)) for name, start in zip(names, starts, strict=True)])
+    actions = {arkit_name(name): scale for name, scale in given.items()}
+    return np.array([given.get(name, actions.get(start_of(name), 1.0)) for name in names])

@@ -5,7 +5,7 @@ import numpy as np
 
 from caricli.data.expressions import named_expressions
 from caricli.methods.dynamic.rig_moods import MoodPainter
-from caricli.structures.arkit import ARKIT_NAMES, uses
+from caricli.structures.arkit import ARKIT_NAMES, arkit_name, uses
 from caricli.structures.change_atlas import NOTHING, ChangeAtlas
 
 LARGEST = 2048
@@ -51,10 +51,11 @@ def change_atlas(painter: MoodPainter) -> ChangeAtlas:
 def _shown_weights(names: tuple[str, ...]) -> np.ndarray:
     """(N, K) weights at which the network is asked."""
     together = uses(names)
-    if not set(ARKIT_NAMES) <= set(names):
+    actions = [arkit_name(name) for name in names]
+    if not set(ARKIT_NAMES) <= set(actions):
         return together
     usual = [weights for weights in named_expressions(ARKIT_NAMES).values() if weights]
-    return np.concatenate([together, [[weights.get(name, 0.0) for name in names] for weights in usual]])
+    return np.concatenate([together, [[weights.get(action or "", 0.0) for action in actions] for weights in usual]])
 
 
 def _change(painter: MoodPainter, weights: np.ndarray, side: int) -> np.ndarray:

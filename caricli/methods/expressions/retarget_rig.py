@@ -17,7 +17,7 @@ from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
 from caricli.models.morphable.model import MorphableModel
 from caricli.structures import Animation, Face, Landmarks, Rig
-from caricli.structures.arkit import opposites, uses, within_reach
+from caricli.structures.arkit import arkit_name, opposites, uses, within_reach
 from caricli.structures.texture_change import TextureChange
 from caricli.template.template import Template
 
@@ -137,7 +137,7 @@ def retarget_rig(
         explanation = explain_meshes(meshes, deltas, model, neutral, settings)
     else:
         # No landmark shows a tongue or an iris, and what they do to lips and lids others do as well.
-        deltas[[name.startswith(("tongueOut", "eyeLook")) for name in rig.names]] = 0
+        deltas[[(arkit_name(name) or "").startswith(("tongueOut", "eyeLook")) for name in rig.names]] = 0
         points = [driver.points for driver in seen]
         explanation = explain_landmarks([driver.fit for driver in seen], points, deltas, model, settings)
     weights = np.minimum(explanation.weights @ together, RetargetSettings.strongest)

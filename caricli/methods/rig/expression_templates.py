@@ -16,7 +16,7 @@ from caricli.geometry.smooth_step import smooth_step
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh
-from caricli.structures.arkit import STARTS, start_delta
+from caricli.structures.arkit import arkit_name, start_delta, start_of
 from caricli.template.annotation import Annotation
 from caricli.template.template import Template
 
@@ -134,7 +134,7 @@ class ExpressionTemplates:
     @cached_property
     def order(self) -> list[int]:
         """Numbers of the expressions, those that start from others last."""
-        return sorted(range(len(self.names)), key=lambda k: self.names[k] in STARTS)
+        return sorted(range(len(self.names)), key=lambda k: bool(start_of(self.names[k])))
 
     @cached_property
     def pairs(self) -> np.ndarray:
@@ -183,7 +183,7 @@ class ExpressionTemplates:
 
         touching: (V,) bool, what does in the neutral face.
         """
-        if STARTS.get(self.names[k]) in self.names:
+        if start_of(self.names[k]) in [arkit_name(name) for name in self.names]:
             return np.zeros(len(pairs), dtype=bool)
         return touching[pairs].all(axis=1)
 

@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.methods.dynamic.change_atlas import LARGEST, change_atlas
+from caricli.methods.dynamic.change_atlas import LARGEST, _shown_weights, change_atlas
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.change_atlas import NOTHING
 from caricli.structures.texture_change import TextureChange
@@ -61,6 +61,12 @@ def test_a_change_that_is_linear_comes_back(linear, picture, weights):  # noqa: 
     mixed = shaded(atlas, picture, np.array(weights, float))
     # Tiles are coarser than the picture, and have 127 levels.
     assert np.abs(mixed - direct).mean() < 0.5 and np.quantile(np.abs(mixed - direct), 0.99) < 8
+
+
+def test_actions_in_another_spelling_are_asked_for_alike():
+    spelt = tuple(name[0].upper() + name[1:] for name in ARKIT_NAMES)
+    np.testing.assert_array_equal(_shown_weights(spelt), _shown_weights(ARKIT_NAMES))
+    assert len(_shown_weights(spelt)) > len(spelt) == len(_shown_weights(spelt[:-1])) + 1
 
 
 def test_it_is_no_larger_than_engines_take(linear):

@@ -102,7 +102,8 @@ def test_landmarks_turn_no_eyes(head, ball):
     names = ("eyeLookUpLeft", "eyeWideLeft", "browInnerUp")
     deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
     vertices, faces = ball
-    rig = Rig(names, Mesh(vertices.astype(np.float32), faces), np.zeros((3, *vertices.shape)), normal_deltas=deltas)
+    spelt = ("EyeLookUpLeft", "eyeWide_L", "browInnerUp")
+    rig = Rig(spelt, Mesh(vertices.astype(np.float32), faces), np.zeros((3, *vertices.shape)), normal_deltas=deltas)
     model = load_model(kind="morphable")
     up = model.template.vertices + deltas.sum(0)
     points = up[model.template.annotation.landmarks[:68], :2] * [1500, -1500] + [300, 310]

@@ -121,6 +121,7 @@ def test_an_addition_starts_from_its_base(plates):
     np.testing.assert_array_equal(plates.start(2), plates.neutral + plates.deltas[0])
     alone = replace(plates, names=("mouthClose",), deltas=plates.deltas[2:])
     np.testing.assert_array_equal(alone.start(0), plates.neutral)
+    assert replace(plates, names=("MouthClose", "nothing", "JawOpen")).order == [1, 2, 0]
 
 
 def test_motions_hold_what_changes(plates):
@@ -136,10 +137,11 @@ def test_motions_hold_what_changes(plates):
     assert closes is None
 
 
-def test_pairs_close_from_what_an_addition_starts_from(plates):
+@pytest.mark.parametrize("names", [("jawOpen", "nothing", "mouthClose"), ("JawOpen", "nothing", "mouth_close")])
+def test_pairs_close_from_what_an_addition_starts_from(plates, names):
     deltas = plates.deltas.copy()
     deltas[2, 36:, 0] = 0.001
-    closes = replace(plates, deltas=deltas).motions[2]
+    closes = replace(plates, names=names, deltas=deltas).motions[2]
     assert closes.closed.all() and len(closes.closed) == 36
     np.testing.assert_allclose(closes.offsets, np.tile([-0.001, 0, -0.006], (36, 1)), atol=1e-12)
     np.testing.assert_allclose(closes.gaps, 0.006, atol=1e-12)
