@@ -618,6 +618,78 @@ def test_the_picture_of_a_mesh_of_which_a_part_has_no_material_is_read(tmp_path)
     np.testing.assert_array_equal(read_gltf(tmp_path / "a.glb").pictures.skin, picture)
 
 
+def moved(**changes):
+    return {"extensions": {"KHR_texture_transform": changes}}
+
+
+def placed(colour):
+    """``foreign`` with a picture that lies as a baseColorTexture says, and a second set of UVs, the first one swapped;
+    its binary, its triangles, and the first set."""
+    document, binary, _, _, faces, fractions = foreign()
+    swapped = np.ascontiguousarray(fractions[:, ::-1]).astype("<f4")
+    document["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": swapped.nbytes})
+    document["accessors"].append({"componentType": 5126, "count": 6, "type": "VEC2", "bufferView": 7})
+    document["buffers"][0]["byteLength"] += swapped.nbytes
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": colour}}]
+    for primitive in document["meshes"][1]["primitives"]:
+        primitive |= {"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 6}, "material": 0}
+    return document | {"extensionsRequired": ["KHR_texture_transform"]}, binary + swapped.tobytes(), faces, fractions
+
+
+@pytest.mark.parametrize(
+    ("colour", "expected"),
+    [
+        ({}, lambda u, v: (u, v)),
+        ({"texCoord": 1}, lambda u, v: (v, u)),
+        (moved(offset=[0.5, 0.25]), lambda u, v: (u + 0.5, v + 0.25)),
+        (moved(scale=[2, -1]), lambda u, v: (2 * u, -v)),
+        # A quarter turn against the clock leads to the right what was below.
+        (moved(rotation=np.pi / 2, scale=[2, 3]), lambda u, v: (3 * v, -2 * u)),
+        (moved(texCoord=1), lambda u, v: (v, u)),
+        ({"texCoord": 1} | moved(offset=[1, 0], scale=[1, 0.5]), lambda u, v: (v + 1, u / 2)),
+        ({"texCoord": 1} | moved(texCoord=0), lambda u, v: (u, v)),
+    ],
+)
+def test_uvs_are_those_that_the_picture_lies_by(colour, expected, tmp_path):
+    document, binary, faces, fractions = placed(colour)
+    put_together(tmp_path / "a.glb", document, binary)
+    u, v = expected(*fractions.T)
+    for mesh in (read_gltf(tmp_path / "a.glb").mesh, read_gltf_mesh(tmp_path / "a.glb")):
+        np.testing.assert_allclose(mesh.uvs[mesh.uv_faces], np.stack([u, 1 - v], axis=1)[faces], atol=1e-6)
+
+
+def test_parts_of_a_mesh_lie_by_uvs_of_their_own(tmp_path):
+    document, binary, faces, fractions = placed({"texCoord": 1})
+    del document["meshes"][1]["primitives"][1]["material"]
+    put_together(tmp_path / "a.glb", document, binary)
+    mesh = read_gltf(tmp_path / "a.glb").mesh
+    expected = np.concatenate([fractions[faces[:2], ::-1], fractions[faces[2:]]])
+    np.testing.assert_allclose(mesh.uvs[mesh.uv_faces], expected * [1, -1] + [0, 1], atol=1e-6)
+
+
+def test_a_picture_that_lies_by_uvs_that_are_not_there_has_none(tmp_path):
+    document, binary, *_ = placed({"texCoord": 2})
+    put_together(tmp_path / "a.glb", document, binary)
+    assert read_gltf(tmp_path / "a.glb").mesh.uvs is None
+
+
+@pytest.mark.parametrize(
+    ("colour", "words"),
+    [
+        ({"texCoord": -1}, "texCoord: expected a whole number from 0"),
+        (moved(offset=[0.5]), "offset: expected"),
+        (moved(scale=2), "scale: expected list"),
+        (moved(rotation="left"), "rotation: expected"),
+        ({"extensions": {"KHR_texture_transform": []}}, "KHR_texture_transform: expected dict"),
+    ],
+)
+def test_transforms_that_lie_are_refused(colour, words, tmp_path):
+    document, binary, *_ = placed(colour)
+    put_together(tmp_path / "a.glb", document, binary)
+    with pytest.raises(InputError, match=words):
+        read_gltf(tmp_path / "a.glb")
+
+
 def test_a_scene_of_which_a_part_has_no_uvs_has_none(tmp_path):
     document, binary, neutral, _, faces, _ = foreign()
     for primitive in document["meshes"][1]["primitives"]:

@@ -1,9 +1,6 @@
 """GLB and glTF files to rigs or meshes, ours or another program's; nothing in them is trusted."""
 
-import re
-import tempfile
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,26 +9,21 @@ import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.gltf.changes import changes_of
-from caricli.io.gltf.container import embedded, read_container
+from caricli.io.gltf.container import read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
+from caricli.io.gltf.materials import Placing, kind_of, material_of, picture_of, placing_of
 from caricli.io.gltf.scene import node_placements, node_transform
 from caricli.io.gltf.variants import moods_of
-from caricli.io.image import read_image
-from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import take, take_whole
 from caricli.limits import MAX_CORNERS, MAX_NPZ_BYTES, MAX_SHAPES, MAX_VERTICES
 from caricli.structures import Material, Mesh, Pictures, Rig
-from caricli.structures.materials import MATERIALS
 from caricli.structures.pictures import PICTURED
 
 _TRIANGLES = 4
 # What these extensions change is how things look, never where vertices are.
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_")
-_WEBP = "EXT_texture_webp"
-_SEEN_THROUGH = ("MASK", "BLEND")
 _SAME_PLACE = 1e-5
-_NUMBER = re.compile(r"\.\d{3}$")
 
 
 def read_gltf(path: str | Path) -> Rig:
@@ -40,8 +32,9 @@ def read_gltf(path: str | Path) -> Rig:
     Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
     them, where these put them. Transforms of its own node and those above are left aside: the neutral and its
     displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
-    where it is embedded; those named as ours say what they are of. Variants of the skin's material, with pictures as
-    large as its own, are moods; its changes are read. Skins, animations and weights are left aside.
+    where it is embedded; UVs are those that it lies by. Materials named as ours say what they are of. Variants of the
+    skin's material, with pictures as large as its own, are moods; its changes are read. Skins, animations and weights
+    are left aside.
     path: a GLB file, or a .gltf, without external files.
     Returns a Rig of triangles; polygons only beside UVs or materials.
     Raises InputError when it is malformed, compressed, has no mesh or is beyond the caps.
@@ -75,11 +68,17 @@ def read_gltf_mesh(path: str | Path) -> Mesh:
 
 @dataclass(frozen=True)
 class _Block:
-    """Vertices that one or more primitives share: their accessors, those of their targets, and how many they are."""
+    """Vertices that one or more primitives share: their accessors, those of their targets, how many they are, and
+    where they lie in the picture."""
 
     attributes: dict
     targets: list[dict]
     count: int
+    placing: Placing
+
+    def uvs(self, document: Document) -> np.ndarray:
+        """Places in the picture (V,2), origin at the bottom left."""
+        return self.placing.uvs(document.floats(self.attributes, self.placing.key, 2, self.count))
 
 
 @dataclass(frozen=True)
@@ -105,10 +104,9 @@ class _Surface:
 
     def uvs(self, document: Document) -> np.ndarray | None:
         """Places in the picture (V,2), origin at the bottom left, or None where a vertex has none."""
-        if not self.has("TEXCOORD_0"):
+        if not all(block.placing.key in block.attributes for block in self.blocks):
             return None
-        uvs = self.attribute(document, "TEXCOORD_0", 2).astype(np.float64)
-        return np.stack([uvs[:, 0], 1 - uvs[:, 1]], axis=1)
+        return np.concatenate([block.uvs(document) for block in self.blocks])
 
 
 def _refuse_extensions(document: Document) -> None:
@@ -184,13 +182,10 @@ def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[tuple
 
 def _is_hair(document: Document, primitives: list[dict]) -> bool:
     """Whether all is hair with a place in a picture."""
+    materials = [material_of(document, primitive) for primitive in primitives]
     attributes = [take(primitive, "attributes", dict) for primitive in primitives]
-    kinds = {_kind(_material(document, primitive)) for primitive in primitives}
-    return kinds == {Material.HAIR} and all("TEXCOORD_0" in each for each in attributes)
-
-
-def _material(document: Document, primitive: dict) -> dict:
-    return document.item(primitive, "material", "materials") if "material" in primitive else {}
+    placed = [placing_of(each).key in has for each, has in zip(materials, attributes, strict=True)]
+    return {kind_of(each) for each in materials} == {Material.HAIR} and all(placed)
 
 
 def _primitives(mesh: object) -> list[dict]:
@@ -236,7 +231,7 @@ def _target_names(mesh: dict, count: int) -> tuple[str, ...]:
 
 
 def _surface(document: Document, primitives: list[dict], shape_count: int) -> _Surface:
-    """The surface of primitives; those that share their vertices share a block."""
+    """The surface of primitives; those that share their vertices, and lie by the same UVs, share a block."""
     blocks: list[_Block] = []
     starts: dict[str, int] = {}
     triangles: list[np.ndarray] = []
@@ -244,7 +239,7 @@ def _surface(document: Document, primitives: list[dict], shape_count: int) -> _S
     triangle_count = 0
     for primitive in primitives:
         block = _block(document, primitive)
-        key = repr((block.attributes, block.targets))
+        key = repr((block.attributes, block.targets, block.placing))
         if key not in starts:
             starts[key] = total
             total += block.count
@@ -265,7 +260,7 @@ def _block(document: Document, primitive: dict) -> _Block:
     if not all(isinstance(target, dict) for target in targets):
         raise InputError("targets: expected objects, found others")
     count = take_whole(document.item(attributes, "POSITION", "accessors"), "count", 1, MAX_VERTICES)
-    return _Block(attributes, targets, count)
+    return _Block(attributes, targets, count, placing_of(material_of(document, primitive)))
 
 
 def _primitive_triangles(document: Document, primitive: dict, count: int) -> np.ndarray:
@@ -297,45 +292,23 @@ def _looks(document: Document, primitives: list[dict], surface: _Surface) -> dic
     pictures: dict[str, np.ndarray] = {}
     painted: dict[str, dict] = {}
     for primitive in primitives:
-        material = _material(document, primitive)
-        kinds.append(_kind(material))
+        material = material_of(document, primitive)
+        kinds.append(kind_of(material))
         name = PICTURED.get(kinds[-1])
-        image = None if name is None or name in pictures else _image(document, material)
+        image = None if name is None or name in pictures else picture_of(document, material)
         if name is not None and image is not None:
             pictures[name] = image
             painted[name] = primitive
     looks: dict = {"pictures": Pictures(**pictures)}
     if "skin" in pictures:
         skin = painted["skin"]
-        moods = moods_of(document, skin, partial(_image, document))
+        moods = moods_of(document, skin, partial(picture_of, document))
         material = document.item(skin, "material", "materials")
-        looks["changes"] = changes_of(document, material, len(skin["targets"]), partial(_image, document))
+        looks["changes"] = changes_of(document, material, len(skin["targets"]), partial(picture_of, document))
         looks["moods"] = tuple(mood for mood in moods if mood.skin.shape == pictures["skin"].shape)
     if any(kind != Material.SKIN for kind in kinds):
         looks["materials"] = np.repeat(kinds, [len(part) for part in surface.triangles]).astype(np.int32)
     return looks
-
-
-def _kind(material: dict) -> Material:
-    """The Material of a material of a file, skin where it is of another name; Blender calls the second ``eyes.001``."""
-    name = material.get("name")
-    return MATERIALS.get(_NUMBER.sub("", name), Material.SKIN) if isinstance(name, str) else Material.SKIN
-
-
-def _image(document: Document, material: dict) -> np.ndarray | None:
-    """The picture (H,W,3) of a material's base colour, or None where none is embedded that can be read."""
-    with suppress(InputError), tempfile.TemporaryDirectory() as folder:
-        shading = take(material, "pbrMetallicRoughness", dict)
-        texture = document.item(take(shading, "baseColorTexture", dict), "index", "textures")
-        image = document.item(take(take(texture, "extensions", dict, {}), _WEBP, dict, texture), "source", "images")
-        if "uri" in image:
-            data = embedded(image["uri"])
-        else:
-            data = bytes(document.view_bytes(document.item(image, "bufferView", "bufferViews")))
-        write_bytes(Path(folder) / "image", data)
-        # Elsewhere than where it is to be blended or cut out, alpha says nothing.
-        return read_image(Path(folder) / "image", opaque=material.get("alphaMode") not in _SEEN_THROUGH)
-    return None
 
 
 def _scene_mesh(document: Document) -> Mesh:

@@ -41,25 +41,26 @@ def node_placements(document: Document) -> Iterator[tuple[dict, np.ndarray]]:
 def node_transform(node: dict) -> np.ndarray:
     """The transform (4,4) of a node, from its matrix or its translation, rotation and scale. Raises InputError."""
     if "matrix" in node:
-        return _numbers(node, "matrix", 16).reshape(4, 4).T
+        return numbers(node, "matrix", 16).reshape(4, 4).T
     transform = np.eye(4)
     if "rotation" in node:
-        transform[:3, :3] = _rotation(_numbers(node, "rotation", 4))
+        transform[:3, :3] = _rotation(numbers(node, "rotation", 4))
     if "scale" in node:
-        transform[:3, :3] *= _numbers(node, "scale", 3)
+        transform[:3, :3] *= numbers(node, "scale", 3)
     if "translation" in node:
-        transform[:3, 3] = _numbers(node, "translation", 3)
+        transform[:3, 3] = numbers(node, "translation", 3)
     return transform
 
 
-def _numbers(node: dict, key: str, count: int) -> np.ndarray:
-    values = take(node, key, list)
+def numbers(holder: dict, key: str, count: int) -> np.ndarray:
+    """So many numbers of a key, float64. Raises InputError when it has none or others."""
+    values = take(holder, key, list)
     sound = len(values) == count and all(type(value) in (int, float) and abs(value) < 1e30 for value in values)
-    numbers = np.array(values, np.float64) if sound else np.zeros(0)
-    problem = shape_problem(key, numbers, (count,))
+    array = np.array(values, np.float64) if sound else np.zeros(0)
+    problem = shape_problem(key, array, (count,))
     if problem:
         raise InputError(problem)
-    return numbers
+    return array
 
 
 def _rotation(quaternion: np.ndarray) -> np.ndarray:
