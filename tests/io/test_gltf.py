@@ -333,6 +333,20 @@ def test_hair_that_another_program_moved_is_where_it_was_moved(full_rig, tmp_pat
         read_gltf(tmp_path / "c.glb")
 
 
+def test_hair_that_another_program_mirrored_is_not_inside_out(full_rig, tmp_path):
+    rig = haired(full_rig)
+    write_gltf(tmp_path / "a.glb", rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["nodes"][1]["scale"] = [-1, 1, 1]
+    put_together(tmp_path / "b.glb", document, binary)
+    back = read_gltf(tmp_path / "b.glb").mesh
+    hair = rig.triangle_materials == Material.HAIR
+    np.testing.assert_array_equal(back.faces, np.where(hair[:, None], rig.faces[:, ::-1], rig.faces))
+    corners = rig.mesh.uvs[rig.mesh.uv_faces]
+    expected = np.where(hair[:, None, None], corners[:, ::-1], corners)
+    np.testing.assert_allclose(back.uvs[back.uv_faces], expected, atol=1e-6)
+
+
 def test_hair_comes_back_without_source_vertices_and_with_blenders_numbers(full_rig, tmp_path):
     rig = haired(full_rig)
     write_gltf(tmp_path / "a.glb", rig)

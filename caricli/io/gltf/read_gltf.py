@@ -205,6 +205,7 @@ def _rig(document: Document, mesh: dict, own: list[dict]) -> Rig:
         where = np.unique(part)
         with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
             positions[where] = positions[where] @ placement[:3, :3].T + placement[:3, 3]
+        part[:] = _outwards(part, placement)
     kept = np.arange(len(positions))
     place = kept
     if surface.has(SOURCE_VERTEX):
@@ -325,9 +326,7 @@ def _scene_mesh(document: Document) -> Mesh:
         triangle_count += len(triangles)
         with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
             vertices.append(positions @ placement[:3, :3].T + placement[:3, 3])
-            is_mirror = np.linalg.det(placement[:3, :3]) < 0
-        # A mirror turns triangles inside out.
-        faces.append(triangles[:, ::-1] if is_mirror else triangles)
+        faces.append(_outwards(triangles, placement))
         uvs.append(surface.uvs(document))
         if count > MAX_VERTICES or triangle_count > MAX_CORNERS // 3:
             expected = f"at most {MAX_VERTICES} vertices and {MAX_CORNERS // 3} triangles in the scene"
@@ -337,6 +336,13 @@ def _scene_mesh(document: Document) -> Mesh:
     if len(places) < len(uvs):
         return Mesh(np.concatenate(vertices), all_faces)
     return Mesh(np.concatenate(vertices), all_faces, np.concatenate(places), all_faces)
+
+
+def _outwards(triangles: np.ndarray, placement: np.ndarray) -> np.ndarray:
+    """Triangles (F,3) after a transform (4,4): a mirror turns them inside out."""
+    with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
+        is_mirror = np.linalg.det(placement[:3, :3]) < 0
+    return triangles[:, ::-1] if is_mirror else triangles
 
 
 def _surfaces(document: Document) -> Iterator[tuple[_Surface, np.ndarray]]:
