@@ -17,8 +17,8 @@ from caricli.render.pixels.levels import to_bytes, to_floats
 
 NEAR_PAINTERS: dict[str, Callable[[Canvas], np.ndarray]] = PAINTERS | {
     "oil": partial(paint_oil, settings=OilSettings(brushes=(2.0, 1.0, 0.5, 0.3), steps=4)),
-    "ink": partial(draw_ink, settings=InkSettings(bend=0.0)),
-    "pencil": partial(draw_pencil, settings=PencilSettings(stroke=7.0, shade=0.6, grain=0.25)),
+    "ink": partial(draw_ink, settings=InkSettings(contrast=0.0, bend=0.0)),
+    "pencil": partial(draw_pencil, settings=PencilSettings(contrast=0.0, stroke=7.0, shade=0.6, grain=0.25)),
 }
 """The painters of ``caricli stylise``, such that strokes depend on nothing far from them, and leave the face."""
 

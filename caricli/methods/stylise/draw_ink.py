@@ -15,13 +15,15 @@ _INK = np.array([0.07, 0.06, 0.09], np.float32)
 class InkSettings:
     """Pen and paper; lengths in units.
 
-    line: width of contours, and depth: contrast, 0 to 1, from which on they are black. gap: between hatching lines, and
-    closest: the same in pixels, at least. shades: lightness below which lines go in one more direction, and angles:
-    these, degrees. bend: how far light bends lines, gaps. solid: lightness below which all is black.
+    line: width of contours, and depth: contrast, 0 to 1, from which on they are black. contrast: share of a lightness's
+    difference from that around it which is added to it. gap: between hatching lines, and closest: the same in pixels,
+    at least. shades: lightness below which lines go in one more direction, and angles: these, degrees. bend: how far
+    light bends lines, gaps. solid: lightness below which all is black.
     """
 
     line: float = 1.1
     depth: float = 0.09
+    contrast: float = 0.35
     gap: float = 1.9
     closest: float = 3.5
     shades: tuple[float, ...] = (0.68, 0.42, 0.26)
@@ -36,7 +38,7 @@ def draw_ink(canvas: Canvas, settings: InkSettings = InkSettings()) -> np.ndarra
     Returns (H, W, 3) float32.
     """
     tone = canvas.blurred(canvas.light, 0.8)
-    tone = np.clip(tone + 0.35 * (tone - canvas.blurred(tone, 20)), 0, 1)
+    tone = np.clip(tone + settings.contrast * (tone - canvas.blurred(tone, 20)), 0, 1)
     ink = lines(canvas, flow(canvas, 1.5), settings.line, settings.depth)
     ink = step(ink - 0.45, 0.5)
     for shade, angle in zip(settings.shades, settings.angles, strict=True):

@@ -15,13 +15,14 @@ _GRAPHITE = np.array([0.15, 0.15, 0.17], np.float32)
 class PencilSettings:
     """Graphite and paper; lengths in units.
 
-    line: width of contours, and depth: contrast, 0 to 1, from which on they are dark. stroke: length of shading
-    strokes, and angle: theirs, degrees. shade: how dark shading becomes, and dark: where it begins, lightness. grain:
-    how strongly paper shows.
+    line: width of contours, and depth: contrast, 0 to 1, from which on they are dark. contrast: share of a lightness's
+    difference from that around it which is added to it. stroke: length of shading strokes, and angle: theirs, degrees.
+    shade: how dark shading becomes, and dark: where it begins, lightness. grain: how strongly paper shows.
     """
 
     line: float = 0.9
     depth: float = 0.075
+    contrast: float = 0.3
     stroke: float = 14.0
     angle: float = 55.0
     shade: float = 0.9
@@ -35,7 +36,7 @@ def draw_pencil(canvas: Canvas, settings: PencilSettings = PencilSettings()) -> 
     Returns (H, W, 3) float32.
     """
     tone = canvas.blurred(canvas.light, 0.3)
-    tone = np.clip(tone + 0.3 * (tone - canvas.blurred(tone, 20)), 0, 1)
+    tone = np.clip(tone + settings.contrast * (tone - canvas.blurred(tone, 20)), 0, 1)
     pressure = np.clip((settings.dark - tone) / settings.dark, 0, 1) ** 1.25
     grain = canvas.noise(0.5) + 0.6 * canvas.noise(1.2)
     grain = settings.grain * grain / max(float(grain.std()), 1e-6)

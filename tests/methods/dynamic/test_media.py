@@ -51,6 +51,16 @@ def test_away_from_a_changed_mouth_all_strokes_stay(face, name):
         assert off[62:74, 36:60].mean() > 2
 
 
+@pytest.mark.parametrize("name", NEAR_PAINTERS)
+def test_strokes_depend_on_nothing_far_from_them(face, name):
+    dark = face.copy()
+    dark[62:74, 36:60] = 20
+    for seed in range(3):
+        medium = random_medium(np.random.default_rng(seed), name)
+        painted = [medium.paint(picture, face) for picture in (face, dark)]
+        np.testing.assert_array_equal(painted[0][:44], painted[1][:44])
+
+
 def test_pictures_need_not_be_square(face):
     for name in NAMES:
         assert random_medium(np.random.default_rng(0), name).paint(face[:50]).shape == (50, 96, 3)
