@@ -67,8 +67,11 @@ def load_texture_ingredients(
 
     drawings: folder of textures for the unpaired part, or None. styles: StyleBook. report: called with people done and
     all. Raises InputError when a folder is none, damaged, of another topology than the others, or without people to
-    train or to validate with.
+    train or to validate with, and for drawings without an unpaired part.
     """
+    if drawings is not None and config.paired_epochs == config.epochs:
+        settings = f"epochs={config.epochs} and unpaired={config.unpaired:g}"
+        raise InputError(f"{drawings}: expected an unpaired part to train on it, found none with {settings}")
     sets = [read_texture_set(folder) for folder in folders]
     grid = ChartGrid(face_chart(load_head().template()), config.size)
     own, unseen = (

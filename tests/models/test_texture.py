@@ -45,6 +45,14 @@ def asked():
     )
 
 
+@pytest.mark.parametrize(
+    ("epochs", "unpaired", "paired"),
+    [(80, 0.05, 76), (10, 0.05, 9), (100, 0.07, 93), (4, 0.5, 2), (2, 0.9, 1), (1, 0.05, 1), (4, 0, 4), (4, 1, 0)],
+)
+def test_however_few_epochs_there_are_some_are_unpaired(epochs, unpaired, paired):
+    assert TextureConfig(epochs=epochs, unpaired=unpaired).paired_epochs == paired
+
+
 def test_a_checkpoint_rebuilds_it(model, asked):
     again = texture_from_checkpoint(*texture_to_checkpoint(model), "it")
     assert (again.size, again.topology_id, again.recipe) == (SIDE, "0" * 64, {"seed": 0})

@@ -1,6 +1,7 @@
 """Settings of the texture network and of its training."""
 
 from dataclasses import dataclass
+from math import ceil
 
 from caricli.models.config import TRAINING_RANGES, NetworkTraining, check_ranges, check_windows, size_in
 
@@ -52,11 +53,12 @@ class TextureConfig(TextureSize, NetworkTraining):
 
     looks: styles that every person is painted in beside the own one. plain: share of the pairs in the own look; the
     others are in any, the own one among them. mirrored: share of those that are mirrored. unpaired: share of the
-    epochs, the last ones, that are trained without pairs, by cycles. kernel_rate: of Muon, by which the kernels of
-    convolutions learn; 0 lets them learn as all else. critic_rate: of the critic's AdamW. judge_every: one of so many
-    steps has the critic, whose gradients of gradients cost most. critic_width: its channels at half of the chart's
-    size. penalty: of its gradients. attention_weight, colour_weight, cycle_weight, adversarial_weight,
-    expression_weight: of the losses (section 4.1). mouth: by how much an opened mouth counts more than skin.
+    epochs, the last ones, that are trained without pairs, by cycles; below 1 the first is not. kernel_rate: of Muon, by
+    which the kernels of convolutions learn; 0 lets them learn as all else. critic_rate: of the critic's AdamW.
+    judge_every: one of so many steps has the critic, whose gradients of gradients cost most. critic_width: its channels
+    at half of the chart's size. penalty: of its gradients. attention_weight, colour_weight, cycle_weight,
+    adversarial_weight, expression_weight: of the losses (section 4.1). mouth: by how much an opened mouth counts more
+    than skin.
     Raises ValueError for impossible sizes.
     """
 
@@ -95,4 +97,6 @@ class TextureConfig(TextureSize, NetworkTraining):
     @property
     def paired_epochs(self) -> int:
         """Epochs that are trained on pairs."""
-        return round(self.epochs * (1 - self.unpaired))
+        # Shares such as 0.07 are a little more than they say.
+        unpaired = ceil(round(self.epochs * self.unpaired, 6))
+        return max(self.epochs - unpaired, int(self.unpaired < 1))

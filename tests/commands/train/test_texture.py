@@ -54,6 +54,12 @@ def test_drawings_train_the_unpaired_part(run, textures, head, tmp_path):
     assert len(json.loads((tmp_path / "run" / "model.json").read_text())["inputs"]) == 2
 
 
+@pytest.mark.parametrize("setting", ["unpaired=0", "epochs=1"])
+def test_drawings_without_an_unpaired_part_are_refused(refused, textures, tmp_path, setting):
+    line = ("train", "texture", "--data", textures, "--drawings", textures, "--out", tmp_path / "run", *SMALL)
+    assert "expected an unpaired part to train on it, found none" in refused(*line, "--set", setting)
+
+
 @pytest.mark.parametrize(("split", "use"), [("train", "train"), ("validation", "validate")])
 def test_a_folder_without_people_of_a_split_is_named(refused, textures, tmp_path, split, use):
     lacking = tmp_path / "lacking"
