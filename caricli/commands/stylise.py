@@ -138,6 +138,8 @@ def _check_usage(portraits, style, shape, landmarks, generator):
         refuse_typed("--pts-origin is of --landmarks.", "pts_origin")
     if generator is None:
         refuse_typed("--timeout is for the command of --generator.", "timeout")
+    if generator is not None or style == "none":
+        refuse_typed("--seed is for what a --style paints.", "seed")
     if shape == "none":
         refuse_typed("--strength and --model are for another --shape than none.", "strength", "model")
 

@@ -70,6 +70,8 @@ def test_wrong_usage(refused, portrait, marks, tmp_path):
     assert "expected a TorchScript file" in refused("stylise", portrait, "--generator", "x", *out, code=2)
     assert "ends in .png" in refused("stylise", portrait, "--out", tmp_path / "p.jpg", code=2)
     assert "--strength" in refused("stylise", portrait, "--strength", "4", *out, code=2)
+    for painted in (("--style", "none"), ("--generator", "x {input} {output}")):
+        assert "--seed is for what" in refused("stylise", portrait, *painted, "--seed", "1", *out, code=2)
 
 
 def test_landmarks_of_another_picture_are_refused(refused, portrait, tmp_path):
