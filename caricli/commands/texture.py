@@ -21,6 +21,7 @@ from caricli.commands.shared.options import (
     model_option,
     out_option,
     overwrite_option,
+    refuse_typed,
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 REPORT = "face.json"
 SIZE = 320
 UVS = ("head", "arap")
+_OF_RETOUCHED = {"face", "image", "out", "retouched", "model", "overwrite"}
 _FILE_NAME = re.compile(r"\w[\w .-]{0,63}")
 
 
@@ -157,8 +159,8 @@ def command(
     if flat and (size or keep_light or hair == "shell"):
         raise UsageError("--project-uv takes the picture as it is, without --size, --keep-light and --hair shell")
     if retouched:
-        if settings != PaintSettings() or mask or parsing or uv != "head" or expressions or network or detector:
-            raise UsageError("--retouched takes no other options than --out, --model and --overwrite")
+        others = set(click.get_current_context().params) - _OF_RETOUCHED
+        refuse_typed("--retouched takes no other options than --out, --model and --overwrite.", "picture", *others)
         echo_result(_retouch(face, image, out, model, overwrite))
         return
     painting = Expressions.load(expressions, network)

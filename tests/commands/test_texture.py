@@ -483,9 +483,14 @@ def test_a_chart_that_was_edited_goes_back_onto_the_head(run, refused, textured,
         ("--parts", "skin"),
         ("--teeth", "cartoon"),
         ("--seed", 1),
+        # What is typed as it would be anyway is typed.
+        ("--hair", "auto"),
+        ("--uv", "head"),
+        ("--seed", 0),
+        ("--no-picture",),
     )
     for others_typed in others:
-        refused(*line, *others_typed, "--out", tmp_path / "none", code=2)
+        assert "no other options" in refused(*line, *others_typed, "--out", tmp_path / "none", code=2)
 
 
 def test_a_picture_of_another_chart(run, refused, textured, scene, tmp_path):
