@@ -27,6 +27,15 @@ class TrainingSeed(IntEnum):
     EXTRA = 8
 
 
+class LookSeed(IntEnum):
+    """Streams of the looks that people with textures are painted in, after their seed: one for what they are for."""
+
+    TRAINING = 0
+    VALIDATION = 1
+    DRAWINGS = 2
+    EVALUATION = 3
+
+
 class PictureSeed(IntEnum):
     """Streams of generated pictures, after their seed."""
 

@@ -23,6 +23,7 @@ from caricli.methods.train.texture.texture_pairs import TexturePairs, painted_pe
 from caricli.methods.train.texture.train_texture import TextureTraining
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.model import TextureModel, texture_to_checkpoint
+from caricli.seeds import LookSeed
 from caricli.store.pictures import pictures_in
 from caricli.store.texture_networks import load_texture_network
 from caricli.store.training_run import MODEL, RunFolder
@@ -84,17 +85,18 @@ def load_texture_ingredients(
     total = len(own) + len(unseen) + len(other)
     done = 0
 
-    def painted(people: Sequence[ActedTextures]) -> TexturePairs:
+    def painted(people: Sequence[ActedTextures], stream: LookSeed) -> TexturePairs:
         nonlocal done
         before = done
         done += len(people)
-        looks = painted_people(people, grid, config, styles, lambda count, _: report(before + count, total))
+        seed = (config.seed, stream)
+        looks = painted_people(people, grid, config, styles, seed, lambda count, _: report(before + count, total))
         return TexturePairs(looks, grid, config)
 
     with naming(", ".join(map(str, folders))):
-        pairs = painted(own)
-        unpaired = None if drawings is None else painted(other)
-        return TextureIngredients(pairs, painted(unseen), unpaired)
+        pairs = painted(own, LookSeed.TRAINING)
+        unpaired = None if drawings is None else painted(other, LookSeed.DRAWINGS)
+        return TextureIngredients(pairs, painted(unseen, LookSeed.VALIDATION), unpaired)
 
 
 def _require_people(folders: str, people: dict[str, list[ActedTextures]]) -> None:
@@ -210,12 +212,17 @@ def load_texture_test(
         if textures.others is not None and made_of(model.recipe, textures.others / MANIFEST):
             raise InputError(f"{textures.others}: expected people of no training, found what {name} learnt from")
     grid = ChartGrid(face_chart(head), config.size)
+    total = len(learnt) + len(tested)
+
+    def painted(people: Sequence[ActedTextures], stream: LookSeed, before: int) -> TexturePairs:
+        looks = painted_people(people, grid, config, styles, (seed, stream), lambda n, _: report(before + n, total))
+        return TexturePairs(looks, grid, config)
+
     with naming(textures.folder):
-        total = len(learnt) + len(tested)
-        own = TexturePairs(painted_people(learnt, grid, config, styles, lambda n, _: report(n, total)), grid, config)
-        looks = painted_people(tested, grid, config, styles, lambda n, _: report(len(learnt) + n, total))
+        own = painted(learnt, LookSeed.TRAINING, 0)
+        pairs = painted(tested, LookSeed.EVALUATION, len(learnt))
     painters = {name: network_painter(model, grid) for name, model in models.items()}
     painters["linear"] = linear_painter(own, seed)
     painters["spline"] = spline_painter(grid, head.annotation.landmarks)
     takes = takes_of(tested[:TAKES], grid)
-    return TextureTest(painters, train_reader(own, seed), TexturePairs(looks, grid, config), takes)
+    return TextureTest(painters, train_reader(own, seed), pairs, takes)

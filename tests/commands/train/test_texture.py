@@ -8,8 +8,12 @@ from caricli.commands.evaluate.texture import REGIONS, _print
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
+from caricli.io.config import read_config
 from caricli.io.image import read_image, write_png
-from caricli.store.texture_run import TextureFolders
+from caricli.methods.dynamic.styles import StyleBook
+from caricli.methods.train.stages import unwatched
+from caricli.models.texture.config import TextureConfig
+from caricli.store.texture_run import TextureFolders, load_texture_ingredients, load_texture_test
 from tests.acted_textures import write_acted_set
 
 SETTINGS = ("epochs=2", "steps=2", "validate_every=1", "validation=6")
@@ -87,6 +91,28 @@ def test_it_is_measured(run, trained, textures, tmp_path):
         figure = report["painters"]["kept"][region]
         assert figure["percent"] == figure["low"] == figure["high"] == 100
     assert read_image(tmp_path / "out" / "texture.png").shape == (8 * 32, 5 * 32, 3)
+
+
+class Noted(StyleBook):
+    """Media, and what each was drawn with."""
+
+    def __init__(self):
+        super().__init__()
+        self.seeds = set()
+
+    def draw(self, generator):
+        self.seeds.add(tuple(generator.bit_generator.seed_seq.entropy))
+        return super().draw(generator)
+
+
+def test_people_wear_other_styles_for_every_use(trained, textures):
+    learning = Noted()
+    settings = read_config(config_path("texture/tiny.yaml"), TextureConfig, ())
+    load_texture_ingredients([textures], textures, settings, learning, unwatched)
+    assert len(learning.seeds) == 4 + 4 + 2
+    testing = Noted()
+    load_texture_test([trained / "model.safetensors"], TextureFolders(textures), testing, settings.seed, unwatched)
+    assert len(testing.seeds - learning.seeds) == 2 and len(testing.seeds) == 4 + 2
 
 
 def test_what_no_face_shows_is_printed_as_not_measured(capsys):

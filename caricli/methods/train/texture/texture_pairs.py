@@ -1,5 +1,6 @@
 """Pairs of expressions of the same people, drawn for the texture network."""
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +18,6 @@ from caricli.methods.train.stages import Report, unwatched
 from caricli.methods.train.texture.texture_losses import TextureBatch
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.networks import OPEN
-from caricli.seeds import TrainingSeed
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.template.head import load_head
 from caricli.template.template import Template
@@ -128,11 +128,14 @@ def painted_people(
     grid: ChartGrid,
     config: TextureConfig,
     styles: StyleBook | None = None,
+    seed: Sequence[int] = (),
     report: Report = unwatched,
 ) -> PaintedPeople:
     """Paint people in ``config.looks`` styles beside their own look, and see their shapes in the chart.
 
-    styles: StyleBook that looks are drawn from; None for the own look alone. report: called with people done and all.
+    styles: StyleBook that looks are drawn from; None for the own look alone. seed: of these, with the stream of what
+    people are for (LookSeed): the same one gives the same looks, in whatever order. report: called with people done
+    and all.
     Raises InputError where there is nobody, or pictures are smaller than the grid's.
     """
     if not people:
@@ -142,7 +145,7 @@ def painted_people(
     seen = []
     shapes = []
     for number, one in enumerate(people):
-        generator = np.random.default_rng([config.seed, TrainingSeed.SURFACE, number])
+        generator = np.random.default_rng([*seed, _mark(one)])
         own = np.stack([_fitted(picture, grid.size) for picture in one.pictures])
         drawn = [] if styles is None else [styles.draw(generator) for _ in range(config.looks)]
         looks.append(np.stack([own, *(style.paint(own) for style in drawn)]))
@@ -152,6 +155,11 @@ def painted_people(
     codes = np.stack([one.weights for one in people])
     numbers = np.array([one.person for one in people])
     return PaintedPeople(np.stack(looks), np.stack(seen), codes, ShapeFields.stacked(shapes), numbers)
+
+
+def _mark(person: ActedTextures) -> int:
+    """A number of somebody's textures: with another look, or at another level, somebody has another one."""
+    return int.from_bytes(hashlib.sha256(person.pictures.tobytes()).digest()[:8], "big")
 
 
 def mirrored(batch: TextureBatch, which: torch.Tensor) -> TextureBatch:

@@ -16,6 +16,7 @@ from caricli.methods.train.texture.texture_pairs import BRIGHT, UNSEEN, TextureP
 from caricli.methods.train.texture.train_texture import TextureTraining
 from caricli.models.texture.config import TextureConfig
 from caricli.models.texture.networks import OPEN
+from caricli.seeds import LookSeed
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.template.chart import face_chart
 from tests.acted_textures import acted_people
@@ -135,6 +136,16 @@ def test_looks_go_over_all_expressions(people, grid):
     again = painted_people(people[:2], grid, config("looks=2"), StyleBook())
     np.testing.assert_array_equal(painted.pictures, again.pictures)
     assert (painted.pictures[:, 1:] != painted.pictures[:, :1]).mean() > 0.5
+
+
+def test_looks_are_of_somebody_and_a_use_wherever_one_stands(people, grid):
+    def looks(rows, stream):
+        some = [people[row] for row in rows]
+        return painted_people(some, grid, config("looks=2"), StyleBook(), (0, stream)).pictures[:, 1:]
+
+    own = looks([0, 1], LookSeed.TRAINING)
+    np.testing.assert_array_equal(looks([1, 0], LookSeed.TRAINING), own[::-1])
+    assert (looks([0, 1], LookSeed.EVALUATION) != own).mean() > 0.5
 
 
 def test_nobody_and_textures_that_are_too_small_are_refused(people, head_template):
