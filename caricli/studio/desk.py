@@ -78,8 +78,10 @@ class Desk:
         """What is shown: what is tried while a hand moves, or the present."""
         return self.history.work if self.tried is None else self.tried
 
-    def do(self, operation: Operation) -> None:
-        """Do an operation for good. Raises InputError."""
+    def do(self, operation: Operation, picture: np.ndarray | None = None) -> None:
+        """Do an operation for good. picture: (H, W, 3) that it is for, or None for any. Raises InputError."""
+        if picture is not None and self.history.work.picture is not picture:
+            raise InputError("expected the picture that this is for, found another, which was opened meanwhile")
         self.tried = None
         self.history.do(operation)
 

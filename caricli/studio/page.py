@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from nicegui import ui
 from nicegui.client import Client
 
@@ -127,15 +128,18 @@ class Page:
             ui.switch("Turntable", on_change=lambda event: self.head.run_method("turntable", event.value))
             self.texture = ui.switch("Texture", value=True, on_change=self._textured)
 
-    async def do(self, operation: Operation, answered: int = 0, words: str = "") -> bool:
+    async def do(
+        self, operation: Operation, answered: int = 0, words: str = "", picture: np.ndarray | None = None
+    ) -> bool:
         """Do an operation for good, show what it made, and keep it in the browser.
 
-        answered: strokes that it was. words: what is said of it, where it has no remark of its own.
+        answered: strokes that it was. words: what is said of it, where it has no remark of its own. picture: (H, W, 3)
+        that it is for, or None for any.
         Returns whether it was done; where it was refused the page has said why.
         """
         self._wanted = None
         try:
-            _, done = await self._acted(partial(self.desk.do, operation))
+            _, done = await self._acted(partial(self.desk.do, operation, picture))
         except CaricliError as error:
             self.say(str(error))
             self._after(len(self.desk.history.done), [], answered)

@@ -13,10 +13,13 @@ from PIL import Image
 
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.methods.marks.lay_mean_shape import lay_mean_shape
+from caricli.methods.session.history import History
 from caricli.methods.session.work import Work
+from caricli.store.marked_folder import seen_marks
 from caricli.structures.detection import FaceFrame
 from caricli.studio.desk import Desk
 from caricli.studio.modes.landmarks_mode import LandmarksMode
+from caricli.studio.page import Page
 from tests.studio.conftest import PATIENCE, Server, Tab, run_apart
 from tests.studio.marks import CANVAS, Marks
 
@@ -168,3 +171,34 @@ def test_a_try_that_is_taken_back_is_gone_however_late_it_is_done(monkeypatch):
 
     run_apart(play())
     assert desk.work is present
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_landmarks_that_come_after_another_picture_was_opened_are_left(monkeypatch, laid, seen):
+    anything: Any = None
+    one, other = (np.zeros((4, 5, 3), np.uint8) for _ in range(2))
+    desk = Desk(anything, Work(anything, picture=one))
+    marked: list[Any] = []
+    monkeypatch.setattr("caricli.methods.session.history.operate", lambda work, *_: marked.append(work) or work)
+
+    async def run(function, *values):
+        if function is not seen_marks:
+            return function(*values)
+        if opening:
+            desk._begin(History(Work(anything, picture=other), anything), None)
+        return laid if seen else None
+
+    studio: Any = SimpleNamespace(run=run)
+    page = Page(studio, desk)
+    monkeypatch.setattr(page, "say", lambda *words: None)
+    monkeypatch.setattr(page, "_after", lambda *values: None)
+    mode: Any = LandmarksMode(page)
+    mode.reader = None
+    mode._count = lambda: len(laid.points)
+    mode._mean = lambda pixels: laid
+    opening = False
+    run_apart(mode._find())
+    assert len(marked) == 1
+    opening = True
+    run_apart(mode._find())
+    assert len(marked) == 1 and not desk.history.done

@@ -167,11 +167,12 @@ class LandmarksMode(Mode):
         if not self.mounted:
             return
         desk = self.page.desk
-        if desk.work.picture is None:
+        pixels = desk.work.picture
+        if pixels is None:
             self.page.say("Landmarks lie on a picture: open one first.", "note")
             return
         if not self.laid:
-            await self._lay_out(desk.work.picture)
+            await self._lay_out(pixels)
         if self.seen or desk.work.landmarks is not None:
             await self.refresh_now()
             return
@@ -186,7 +187,7 @@ class LandmarksMode(Mode):
         if folder is not None and self.picture is not None and folder.is_done(self.picture):
             try:
                 name = folder.file(self.picture).name
-                await self._put(folder.read(self.picture), f"Landmarks of {name}.")
+                await self._put(pixels, folder.read(self.picture), f"Landmarks of {name}.")
             except CaricliError as error:
                 self.page.say(str(error))
         else:
@@ -200,9 +201,11 @@ class LandmarksMode(Mode):
         self.canvas.run_method("open", scene)
         self.laid = True
 
-    async def _put(self, landmarks: Landmarks | None, words: str = "") -> None:
+    async def _put(self, pixels: np.ndarray, landmarks: Landmarks | None, words: str = "") -> None:
+        """Landmarks for a picture, unless another one was opened while they were made."""
         if landmarks is not None:
-            await self.page.do(Operation("marks", {"landmarks": landmarks_to_json(landmarks)}), words=words)
+            operation = Operation("marks", {"landmarks": landmarks_to_json(landmarks)})
+            await self.page.do(operation, words=words, picture=pixels)
 
     async def _find(self) -> None:
         pixels = self.page.desk.work.picture
@@ -210,16 +213,21 @@ class LandmarksMode(Mode):
             return
         self.page.say("Looking for the face …", "note")
         landmarks = await self.page.studio.run(seen_marks, pixels, self._count(), self.reader)
+        words = "Landmarks as the detector marks them."
         if landmarks is None:
-            await self._lay("No face was seen: the mean shape lies on the picture.")
-        else:
-            await self._put(landmarks, "Landmarks as the detector marks them.")
+            landmarks = self._mean(pixels)
+            words = "No face was seen: the mean shape lies on the picture."
+        await self._put(pixels, landmarks, words)
 
-    async def _lay(self, words: str = "") -> None:
+    async def _lay(self) -> None:
         pixels = self.page.desk.work.picture
         if pixels is not None:
-            size = (pixels.shape[1], pixels.shape[0])
-            await self._put(lay_mean_shape(self._marking().model.template, middle_frame(size), size), words)
+            await self._put(pixels, self._mean(pixels))
+
+    def _mean(self, pixels: np.ndarray) -> Landmarks:
+        """The mean shape in the middle of a picture."""
+        size = (pixels.shape[1], pixels.shape[0])
+        return lay_mean_shape(self._marking().model.template, middle_frame(size), size)
 
     async def _make(self) -> None:
         await self.page.do(Operation("mark_face"), words="The face that the landmarks are of.")
