@@ -66,6 +66,10 @@ export class LandmarkCanvas {
     root.addEventListener("pointercancel", (event) => event.pointerId === this.hold?.id && this.cancel());
     root.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     root.addEventListener("keydown", (event) => this.key(event));
+    // What keys did comes before what is done elsewhere; buttons that move points go on with it.
+    root.addEventListener("focusout", (event) => root.contains(event.relatedTarget) || this.settle());
+    const press = (event) => event.target.closest(".marks, .caricli-icons") || this.settle();
+    document.addEventListener("pointerdown", press, { capture: true });
     this.watcher = new ResizeObserver(() => this.resize());
     this.watcher.observe(root);
   }

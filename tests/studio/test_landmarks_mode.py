@@ -87,12 +87,23 @@ def test_points_are_dragged_with_their_partners_undone_switched_off_and_saved(ma
     assert np.isnan(marks.points()[48]).all()
 
 
-def test_keys_and_groups(marks, laid):
+def test_keys_and_groups(marks, folder, laid):
     marks.page.locator(".marks-dot").nth(30).focus()
     marks.page.keyboard.press("ArrowRight")
     marks.press("Shift+ArrowDown")
     assert np.allclose((marks.points() - laid.points)[30], [1, 10], atol=1e-3)
     assert marks.page.evaluate(f"{CANVAS}.scenes") == 1  # a second one takes back what keys did
+    # What keys did just now comes before what a button does.
+    marks.page.keyboard.press("Shift+ArrowDown")
+    marks.click("Done")
+    marks.tab.told("Written to a.pts")
+    assert np.allclose((read_landmarks(folder / "a.pts").points - laid.points)[30], [1, 20], atol=1e-3)
+    marks.page.locator(".marks-dot").nth(30).focus()
+    marks.page.keyboard.press("Shift+ArrowDown")
+    marks.page.get_by_role("button", name="Undo").click()
+    marks.tab.told("Undone: mark.")
+    marks.until(f"Math.abs({CANVAS}.points[30][1] - {laid.points[30, 1] + 20}) < 1e-3")
+    marks.page.locator(".marks-dot").nth(30).focus()
     marks.page.keyboard.press("Tab")
     assert marks.page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("nostril right")
     marks.click("Groups")

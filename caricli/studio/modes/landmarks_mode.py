@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
-from caricli.errors import CaricliError, shown
+from caricli.errors import CaricliError, InputError, shown
 from caricli.io.landmarks import landmarks_to_json
 from caricli.methods.marks.lay_mean_shape import lay_mean_shape, middle_frame
+from caricli.methods.session.mark_operations import placed_marks
 from caricli.store.face_pictures import FaceReader
 from caricli.store.marked_folder import seen_marks
 from caricli.structures import Landmarks, Operation
@@ -273,12 +274,21 @@ class LandmarksMode(Mode):
     async def _save(self) -> bool:
         """Write the landmarks beside their picture, and say so. Returns whether it could be done."""
         folder = self.page.studio.marked
-        landmarks = self.page.desk.history.work.landmarks
-        if folder is None or self.picture is None or landmarks is None:
+        picture = self.picture
+        begun = self.begun
+        desk = self.page.desk
+        if folder is None or picture is None:
             self.page.say("There are no landmarks of a picture that caricli was started with; take them home by Save.")
             return False
+
+        def write() -> Path:
+            # In the thread, where what a hand did before is done by now.
+            if desk.start != begun:
+                raise InputError(f"{shown(picture.name)}: nothing is written, for another picture was opened")
+            return folder.write(picture, placed_marks(desk.history.work))
+
         try:
-            file = await self.page.studio.run(folder.write, self.picture, landmarks)
+            file = await self.page.studio.run(write)
         except CaricliError as error:
             self.page.say(str(error))
             return False
