@@ -75,7 +75,8 @@ class Slider(Element):
 
 
 class Keep(Element, component="keep.js"):
-    """Keeps the session in the browser, opens files, listens to keys: ``returned``, ``opened``, ``undo``, ``redo``."""
+    """Keeps the session in the browser, opens files, listens to keys: ``returned`` or ``nothing``, ``opened``,
+    ``undo``, ``redo``."""
 
     def __init__(self, base: str) -> None:
         """base: address that files are sent to."""

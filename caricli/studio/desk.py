@@ -25,7 +25,8 @@ EYES = 2 * 6
 class Desk:
     """A history of works, and what is shown of it; everything here runs in one thread.
 
-    key: text that nobody can guess, by which the page asks for it. start: Start of the session, or None.
+    key: text that nobody can guess, by which the page asks for it. start: Start of the session, or None. away: Session
+    that goes on when the file is opened that it began with, or None.
     """
 
     def __init__(self, tools: SessionTools, work: Work, start: Start | None = None) -> None:
@@ -34,11 +35,20 @@ class Desk:
         self.tools = tools
         self.poser = Poser(tools)
         self.basis = np.zeros((3, 0, 3))
+        self.away: Session | None = None
         self._begin(History(work, tools), start)
 
     def open(self, path: Path | None) -> None:
-        """Begin anew with a file, or an empty canvas. Where it is refused nothing changes. Raises InputError."""
-        self._begin(History(load_start(path, self.tools), self.tools), start_of(path))
+        """Begin anew with a file, or an empty canvas; what is away and began so goes on. Where it is refused nothing
+        changes. Raises InputError."""
+        work = load_start(path, self.tools)
+        start = start_of(path)
+        away = self.away
+        if away is None or away.start != start:
+            self._begin(History(work, self.tools), start)
+        else:
+            self.away = None
+            self._begin(self._done_again(work, away.operations), start)
 
     def _begin(self, history: History, start: Start | None) -> None:
         self.start = start

@@ -59,6 +59,7 @@ export default {
       const kept = localStorage.getItem(this.name);
       // As a file: a message of the page may have a million letters alone.
       if (kept && !kept.endsWith(NOTHING)) this.send(new File([kept], "drawing.json"), "returned");
+      else this.$emit("nothing");
     }, 120);
   },
   methods: {

@@ -1,5 +1,6 @@
 """The page of one tab."""
 
+import asyncio
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,7 @@ from caricli.errors import CaricliError, InputError, shown
 from caricli.io.files import read_start
 from caricli.io.landmarks import landmarks_to_json, read_landmarks
 from caricli.io.session import operation_to_json, read_session
-from caricli.structures import Operation, Session
+from caricli.structures import Operation
 from caricli.studio.components import Head, Keep
 from caricli.studio.desk import Desk
 from caricli.studio.modes.draw_mode import DrawMode
@@ -60,14 +61,14 @@ class Page:
         self._layout: object = None
         self._wanted: Operation | None = None
         self._busy = False
-        self._away: Session | None = None  # what goes on when its file is opened
+        self.heard = asyncio.Event()  # whether the browser has told what it kept
 
     def build(self) -> None:
         """Lay the page out."""
         ui.add_head_html(f"<style>{''.join(style.read_text('utf-8') for style in _STYLES)}</style>")
         self.dark = ui.dark_mode(None)
         self.keep = Keep(self.base).on("returned", self._returned).on("opened", self._was_opened)
-        self.keep.on("undo", self.undo).on("redo", self.redo)
+        self.keep.on("nothing", self.heard.set).on("undo", self.undo).on("redo", self.redo)
         self._header()
         with ui.element("main").classes("caricli-main"):
             with ui.tab_panels(self.tabs, value=self.studio.mode).classes("caricli-work") as panels:
@@ -274,7 +275,7 @@ class Page:
         if path.suffix.lower() == ".json" and _is_session(path):
             session = read_session(path)
             if session.start not in (None, self.desk.start):
-                self._away = session
+                self.desk.away = session
                 raise InputError(f"Open {session.start.file} again, and what was done with it comes back")
             await self.studio.run(self.desk.open_session, session)
         elif self.desk.work.picture is not None and _is_marks(path):
@@ -282,10 +283,6 @@ class Page:
             await self.studio.run(self.desk.do, Operation("marks", given))
         else:
             await self.studio.run(self.desk.open, path)
-            if self._away is not None and self._away.start == self.desk.start:
-                session = self._away
-                self._away = None
-                await self.studio.run(self.desk.open_session, session)
 
     def _was_opened(self, event: Any) -> None:
         refused = event.args.get("refused")
@@ -298,6 +295,7 @@ class Page:
 
     def _returned(self, event: Any) -> None:
         """Show what this tab had before the server ended or the page was loaded again."""
+        self.heard.set()
         refused = event.args.get("refused")
         if refused:
             self.say(refused)

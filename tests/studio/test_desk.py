@@ -62,6 +62,23 @@ def test_a_session_goes_on_from_its_start(desk):
     assert desk.start == BEGUN and desk.work.remark == "face b"
 
 
+@pytest.mark.parametrize("name", ["b", "refused"])
+def test_what_is_away_goes_on_when_its_file_is_opened(desk, monkeypatch, name):
+    monkeypatch.setattr("caricli.studio.desk.start_of", lambda path: path)
+    start: Any = Start("other.npz", "1" * 64)
+    desk.away = Session(start, (Operation("b"), Operation(name)))
+    desk.open(None)
+    assert desk.work.remark == "empty "
+    if name == "refused":
+        with pytest.raises(InputError):
+            desk.open(start)
+        assert desk.start is None
+    desk.open(start)
+    assert desk.start == start and desk.work.remark == ("empty " if name == "refused" else "empty bb")
+    desk.open(start)
+    assert desk.work.remark == "empty "
+
+
 def test_the_browser_keeps_what_is_left_where_undo_comes_before_an_answer(desk, monkeypatch):
     kept: list[Any] = []
 

@@ -11,7 +11,7 @@ from caricli.io.landmarks import landmarks_to_json
 from caricli.methods.marks.lay_mean_shape import lay_mean_shape, middle_frame
 from caricli.methods.session.mark_operations import placed_marks
 from caricli.store.face_pictures import FaceReader
-from caricli.store.marked_folder import seen_marks
+from caricli.store.marked_folder import MarkedFolder, seen_marks
 from caricli.structures import Landmarks, Operation
 from caricli.studio.components import LandmarkCanvas
 from caricli.studio.marking import Marking
@@ -167,6 +167,7 @@ class LandmarksMode(Mode):
         """Landmarks to begin with, once for every picture: those beside it, or those that are found in it."""
         if not self.mounted:
             return
+        await self.page.heard.wait()
         desk = self.page.desk
         pixels = desk.work.picture
         if pixels is None:
@@ -181,9 +182,10 @@ class LandmarksMode(Mode):
         folder = self.page.studio.marked
         if folder is not None and self.fresh:
             self.fresh = False
-            if folder.first() != self.picture:
+            first = self._first(folder)
+            if first != self.picture:
                 # What was the first without landmarks when the server began may have some by now.
-                await self._open(folder.first())
+                await self._open(first)
                 return
         if folder is not None and self.picture is not None and folder.is_done(self.picture):
             try:
@@ -193,6 +195,12 @@ class LandmarksMode(Mode):
                 self.page.say(str(error))
         else:
             await self._find()
+
+    def _first(self, folder: MarkedFolder) -> Path:
+        """The picture to begin with: one that the browser kept work on, where it is not done."""
+        start = None if self.page.desk.away is None else self.page.desk.away.start
+        left = (each for each in folder.pictures if start is not None and each.name == start.file)
+        return next((each for each in left if not folder.is_done(each)), folder.first())
 
     async def _lay_out(self, pixels: np.ndarray) -> None:
         """Give the canvas its picture; what follows the landmarks is loaded when it is first asked for."""
@@ -312,6 +320,7 @@ class LandmarksMode(Mode):
             await self._open(folder.beside(self.picture or folder.pictures[0], step))
 
     async def _open(self, picture: Path) -> None:
+        self.fresh = False
         try:
             await self.page.studio.run(self.page.desk.open, picture)
         except CaricliError as error:
@@ -319,6 +328,8 @@ class LandmarksMode(Mode):
             return
         self.picture = picture
         self.begun = self.page.desk.start
+        if self.page.desk.history.done:
+            self.page.say(f"What was done with {shown(picture.name)} is back.", "note")
         self.page.begun()
 
     def _tell_progress(self) -> None:
