@@ -174,6 +174,12 @@ class Page:
         if not self._busy:
             ui.timer(0, self._attempts, once=True)
 
+    async def forget(self) -> None:
+        """Show the present again, in place of what is tried."""
+        self._wanted = None
+        await self.studio.run(self.desk.forget)
+        self._frame()
+
     async def _attempts(self) -> None:
         if self._busy:
             return

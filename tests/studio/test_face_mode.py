@@ -57,7 +57,7 @@ def test_a_slider_that_is_let_go_is_not_tried_once_more(mode):
 
     async def do(operation):
         # What a hand did last comes after it let go, as messages of a moving slider are held back.
-        mode._slide("BigNose", 1.0)
+        await mode._slide("BigNose", 1.0)
 
     mode.locks = {"BigNose": SimpleNamespace(value=False)}
     mode.sliding = asyncio.Lock()
@@ -66,5 +66,21 @@ def test_a_slider_that_is_let_go_is_not_tried_once_more(mode):
     mode.page.desk = SimpleNamespace(history=SimpleNamespace(work=SimpleNamespace(strengths={})))
     run_apart(mode._slid("BigNose", 1.0))
     assert not tried
-    mode._slide("BigNose", 1.0)
+    run_apart(mode._slide("BigNose", 1.0))
     assert len(tried) == 1
+
+
+def test_a_slider_that_is_dragged_away_and_back_shows_the_work(mode):
+    played: list[str] = []
+
+    async def forget():
+        played.append("work")
+
+    mode.locks = {"BigNose": SimpleNamespace(value=False)}
+    mode.sliding = asyncio.Lock()
+    mode.page.forget = forget
+    mode.page.attempt = lambda operation: played.append("tried")
+    mode.page.desk = SimpleNamespace(history=SimpleNamespace(work=SimpleNamespace(strengths={})))
+    for value in (1.0, 0.0):
+        run_apart(mode._slide("BigNose", value))
+    assert played == ["tried", "work"]

@@ -121,11 +121,14 @@ class FaceMode(Mode):
             return None
         return Operation("semantic", {"strengths": {name: more}, "keep": keep})
 
-    def _slide(self, name: str, value: float) -> None:
-        # While a slider is let go, what still comes of it would be added to where it goes.
-        operation = None if self.sliding.locked() else self._semantic(name, value)
+    async def _slide(self, name: str, value: float) -> None:
+        if self.sliding.locked():
+            return  # what still comes of a slider that is let go would be added to where it goes
+        operation = self._semantic(name, value)
         if operation:
             self.page.attempt(operation)
+        else:
+            await self.page.forget()
 
     async def _slid(self, name: str, value: float) -> None:
         # One after the other: the way to a value begins where the one before has ended.
