@@ -1,11 +1,14 @@
 """The parts of the page that are drawn in the browser."""
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import nicegui
 from nicegui.element import Element
+
+from caricli.structures import Start
 
 _THREE = Path(nicegui.__file__).parent / "elements" / "scene" / "dist"
 """three.js as it comes with NiceGUI."""
@@ -78,7 +81,8 @@ class Keep(Element, component="keep.js"):
     """Keeps the session in the browser, opens files, listens to keys: ``returned`` or ``nothing``, ``opened``,
     ``undo``, ``redo``."""
 
-    def __init__(self, base: str) -> None:
-        """base: address that files are sent to."""
+    def __init__(self, base: str, start: Start | None) -> None:
+        """base: address that files are sent to. start: Start of the session, or None."""
         super().__init__()
         self._props["base"] = base
+        self._props["begun"] = None if start is None else asdict(start)

@@ -18,7 +18,7 @@ export default {
       <input ref="file" type="file" hidden tabindex="-1" aria-label="File to open" @change="chosen" />
       <div role="alert" class="caricli-lost" v-show="lost">{{ lost }}</div>
     </div>`,
-  props: { base: String },
+  props: { base: String, begun: Object },
   data() {
     return { lost: "" };
   },
@@ -36,7 +36,7 @@ export default {
     };
     this.asking = true;
     this.channel.postMessage({ ask: this.name });
-    this.start = null;
+    this.start = this.begun ?? null;
     this.operations = [];
     this.pending = [];
     window.caricliKeep = this;

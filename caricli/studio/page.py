@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -67,7 +68,7 @@ class Page:
         """Lay the page out."""
         ui.add_head_html(f"<style>{''.join(style.read_text('utf-8') for style in _STYLES)}</style>")
         self.dark = ui.dark_mode(None)
-        self.keep = Keep(self.base).on("returned", self._returned).on("opened", self._was_opened)
+        self.keep = Keep(self.base, self.desk.start).on("returned", self._returned).on("opened", self._was_opened)
         self.keep.on("nothing", self.heard.set).on("undo", self.undo).on("redo", self.redo)
         self._header()
         with ui.element("main").classes("caricli-main"):
@@ -163,7 +164,7 @@ class Page:
     def _after(self, count: int, more: list[Operation], answered: int = 0) -> None:
         """Show the present, and let the browser keep what was done last. count: of operations with it."""
         start = self.desk.start
-        kept = None if start is None else {"file": start.file, "sha256": start.sha256}
+        kept = None if start is None else asdict(start)
         entries = [operation_to_json(each) for each in more]
         self.keep.run_method("keep", kept, count, entries, answered)
         self.refresh(answered)

@@ -237,6 +237,27 @@ def test_a_server_that_is_killed_comes_back_with_the_drawing(browser, tmp_path):
         assert again.stop() == 130
 
 
+def test_the_first_line_without_a_server_comes_back_on_its_picture(browser, tmp_path):
+    Image.new("RGB", (600, 500), (200, 190, 180)).save(tmp_path / "wall.png")
+    server = Server(tmp_path, "wall.png")
+    context = browser.new_context()
+    context.set_default_timeout(PATIENCE)
+    tab = Tab(context.new_page())
+    tab.go(server.url)
+    server.kill()
+    tab.page.get_by_text("The server does not answer").wait_for()
+    tab.move(MOUTH)
+    again = Server(tmp_path, "wall.png", port=server.port)
+    try:
+        tab.told("Your drawing is back")
+        tab.lines(1)
+        assert tab.page.evaluate("document.querySelector('.caricli-canvas canvas').width") == 600
+        assert tab.page.locator(".caricli-canvas img").count() == 1
+    finally:
+        context.close()
+        again.kill()
+
+
 @pytest.mark.parametrize("long", [False, True])
 def test_what_was_drawn_on_an_opened_picture_comes_back_when_it_is_opened_again(tab, tmp_path, long):
     Image.new("RGB", (600, 500), (200, 190, 180)).save(tmp_path / "wall.png")
