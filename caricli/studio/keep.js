@@ -1,6 +1,7 @@
 // Keeps what was done in this browser, so that nothing is lost when the server ends; opens files; listens to keys.
 const PREFIX = "caricli-studio-";
-const MOST = 8; // drawings of tabs that are kept
+const AT = "caricli-at-"; // before the name: when it was kept, milliseconds
+const MOST = 32; // drawings of tabs that are kept, as many as a server has desks
 const NOTHING = '"operations":[]}'; // ends what is kept of a tab where nothing was done
 
 function tab() {
@@ -107,13 +108,30 @@ export default {
         start: this.start,
         operations: [...this.operations, ...this.pending],
       });
-      try {
-        localStorage.setItem(this.name, text);
-      } catch {
-        this.lost = "This browser keeps no more: save the session before you go on.";
+      const at = (name) => Number(localStorage.getItem(AT + name));
+      const others = Object.keys(localStorage).filter((name) => name.startsWith(PREFIX) && name !== this.name);
+      others.sort((one, other) => at(one) - at(other));
+      const drop = () => {
+        const oldest = others.shift();
+        localStorage.removeItem(oldest);
+        localStorage.removeItem(AT + oldest);
+      };
+      while (others.length >= MOST) drop();
+      let stored = this.stored(text);
+      while (!stored && others.length) {
+        drop();
+        stored = this.stored(text);
       }
-      const names = Object.keys(localStorage).filter((name) => name.startsWith(PREFIX)).sort();
-      for (const name of names.slice(0, -MOST)) if (name !== this.name) localStorage.removeItem(name);
+      if (!stored) this.lost = "This browser keeps no more: save the session before you go on.";
+    },
+    stored(text) {
+      try {
+        localStorage.setItem(AT + this.name, Date.now());
+        localStorage.setItem(this.name, text);
+        return true;
+      } catch {
+        return false;
+      }
     },
   },
 };

@@ -284,6 +284,17 @@ def test_a_damaged_drawing_that_the_browser_kept_is_told_and_the_page_goes_on(ta
     assert not tab.faults
 
 
+def test_the_browser_keeps_the_tabs_that_were_worked_on_last(tab):
+    for name, at in ((f"tab{number:02}", 100 - number) for number in range(40)):
+        text = "x" * 4_000_000 if name == "tab00" else "{}"
+        tab.page.evaluate("([name, text]) => localStorage.setItem(name, text)", [f"caricli-studio-{name}", text])
+        tab.page.evaluate("([name, at]) => localStorage.setItem(name, at)", [f"caricli-at-caricli-studio-{name}", at])
+    kept = "Object.keys(localStorage).filter(name => name.startsWith('caricli-studio-')).sort()"
+    assert tab.page.evaluate(f"caricliKeep.write() || {kept}")[1:] == [f"caricli-studio-tab{k:02}" for k in range(31)]
+    tab.page.evaluate("caricliKeep.operations.push('x'.repeat(2000000)) && caricliKeep.write()")
+    assert tab.page.evaluate(f"{kept} == caricliKeep.name && caricliKeep.lost == ''")
+
+
 @pytest.mark.parametrize("words", [["--host", "0.0.0.0"]])
 def test_others_need_the_token(tmp_path, words, browser):
     server = Server(tmp_path, *words)
