@@ -160,7 +160,9 @@ export default {
     // The triangles, once and where a face of another layout is opened.
     async layout(number) {
       if (!this.renderer) return;
-      const data = await (await fetch(`${this.base}/layout/${number}`)).arrayBuffer();
+      const answer = await fetch(`${this.base}/layout/${number}`);
+      if (!answer.ok) return;
+      const data = await answer.arrayBuffer();
       const [vertices, corners, triangles, skin, hair] = new Int32Array(data, 0, 5);
       const whole = new Int32Array(data, 20, corners + 3 * triangles);
       this.owners = whole.slice(0, corners);
@@ -184,6 +186,7 @@ export default {
     async show(number) {
       if (!this.renderer) return;
       const answer = await fetch(`${this.base}/frame/${number}`);
+      if (answer.status === 404) this.fault = "Too many tabs are open, and this one has ended: load it again.";
       if (!answer.ok) return;
       const frame = new Float32Array(await answer.arrayBuffer());
       if (this.shown !== undefined && number < this.shown) return;

@@ -319,16 +319,11 @@ def studio_page(studio: Studio) -> Callable:
     """What builds the page of a tab."""
 
     def page(client: Client) -> None:
-        desk = studio.new_desk()
+        desk = studio.new_desk(lambda: client.has_socket_connection)
         shown_page = Page(studio, desk)
         shown_page.build()
         studio.opened[desk.key] = shown_page.open
-
-        def leave() -> None:
-            studio.leave(desk)
-            studio.opened.pop(desk.key, None)
-
-        client.on_delete(leave)
+        client.on_delete(lambda: studio.leave(desk))
 
     return page
 

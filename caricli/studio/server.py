@@ -26,7 +26,7 @@ from caricli.studio.desk import Desk
 from caricli.studio.guard import Guard
 
 MOST_DESKS = 32
-"""Tabs that are open at once; the oldest one ends where there are more."""
+"""Tabs that are open at once; of more the oldest one ends, one that no browser shows where there is such."""
 
 T = TypeVar("T")
 
@@ -66,6 +66,7 @@ class Studio:
         self.begun = load_start(path, tools), start_of(path)
         self.desks: dict[str, Desk] = {}
         self.opened: dict[str, Callable] = {}
+        self.here: dict[str, Callable[[], bool]] = {}
         self._thread = ThreadPoolExecutor(1)
         self._warm = False
         dressed_vertices(self.begun[0].face, tools)  # what holds parts is made now and not when a page waits for it
@@ -74,12 +75,14 @@ class Studio:
         """Call a function in the thread. Raises what it raises."""
         return await asyncio.get_running_loop().run_in_executor(self._thread, function, *values)
 
-    def new_desk(self) -> Desk:
-        """A desk for another tab."""
+    def new_desk(self, here: Callable[[], bool]) -> Desk:
+        """A desk for another tab. here: tells whether a browser shows it."""
         desk = Desk(self.tools, *self.begun)
         while len(self.desks) >= MOST_DESKS:
-            self.desks.pop(next(iter(self.desks)))
+            away = (each for each in self.desks.values() if not self.here[each.key]())
+            self.leave(next(away, next(iter(self.desks.values()))))
         self.desks[desk.key] = desk
+        self.here[desk.key] = here
         return desk
 
     def warm(self) -> None:
@@ -96,7 +99,8 @@ class Studio:
 
     def leave(self, desk: Desk) -> None:
         """A tab is gone."""
-        self.desks.pop(desk.key, None)
+        for each in (self.desks, self.here, self.opened):
+            each.pop(desk.key, None)
 
 
 def studio_app(studio: Studio, page: Callable, token: str | None = None) -> FastAPI:

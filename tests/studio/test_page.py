@@ -195,6 +195,13 @@ def test_a_texture_that_comes_late_is_left(tab):
     assert not tab.page.evaluate(worn)
 
 
+def test_a_tab_that_the_server_has_ended_says_so(tab):
+    tab.page.route("**/studio/*/*/*", lambda route: route.fulfill(status=404))
+    tab.page.get_by_role("button", name="New").click()
+    tab.page.get_by_role("alert").get_by_text("this one has ended").wait_for()
+    assert not tab.faults
+
+
 def test_two_tabs_do_not_see_each_other(browser, server):
     context = browser.new_context()
     context.set_default_timeout(PATIENCE)

@@ -1,0 +1,26 @@
+from typing import Any
+
+import pytest
+
+from caricli.methods.session.work import Work
+from caricli.studio.server import MOST_DESKS, Studio
+
+
+@pytest.fixture
+def studio(monkeypatch):
+    """A studio without a model."""
+    anything: Any = None
+    monkeypatch.setattr("caricli.studio.server.load_start", lambda path, tools: Work(anything))
+    monkeypatch.setattr("caricli.studio.server.dressed_vertices", lambda face, tools: None)
+    return Studio(anything, None)
+
+
+def test_tabs_that_no_browser_shows_end_first(studio):
+    shown = {0, 2, *range(3, 100)}
+    desks = []
+    for number in range(MOST_DESKS + 2):
+        desks.append(studio.new_desk(lambda number=number: number in shown))
+        studio.opened[desks[-1].key] = print
+    left = [number for number, desk in enumerate(desks) if desk.key in studio.desks]
+    assert left == [2, *range(3, MOST_DESKS + 2)]
+    assert studio.desks.keys() == studio.here.keys() == studio.opened.keys()
