@@ -15,6 +15,7 @@ from caricli.errors import CaricliError, InputError, shown
 from caricli.io.files import read_start
 from caricli.io.landmarks import landmarks_to_json, read_landmarks
 from caricli.io.session import operation_to_json, read_session
+from caricli.methods.session.gesture_operations import REDO, UNDO
 from caricli.structures import Operation
 from caricli.studio.components import Head, Keep
 from caricli.studio.desk import Desk
@@ -62,6 +63,7 @@ class Page:
         self._layout: object = None
         self._wanted: Operation | None = None
         self._busy = False
+        self.turn = asyncio.Lock()  # what is done is done in the order in which a hand did it
         self.heard = asyncio.Event()  # whether the browser has told what it kept
 
     def build(self) -> None:
@@ -139,6 +141,13 @@ class Page:
         that it is for, or None for any.
         Returns whether it was done; where it was refused the page has said why.
         """
+        async with self.turn:
+            return await self.do_now(operation, answered, words, picture)
+
+    async def do_now(
+        self, operation: Operation, answered: int = 0, words: str = "", picture: np.ndarray | None = None
+    ) -> bool:
+        """As ``do``, for whoever has the turn."""
         self._wanted = None
         try:
             _, done = await self._acted(partial(self.desk.do, operation, picture))
@@ -199,15 +208,18 @@ class Page:
 
     async def undo(self) -> None:
         """One operation back."""
-        await self._travel(self.desk.undo, "undo")
+        async with self.turn:
+            await self.travel(UNDO)
 
     async def redo(self) -> None:
         """One forth."""
-        await self._travel(self.desk.redo, "redo")
+        async with self.turn:
+            await self.travel(REDO)
 
-    async def _travel(self, go: Callable[[], None], way: str) -> None:
+    async def travel(self, way: str) -> None:
+        """Undo or redo, for whoever has the turn. way: UNDO or REDO."""
         try:
-            before, done = await self._acted(go)
+            before, done = await self._acted(self.desk.undo if way == UNDO else self.desk.redo)
         except CaricliError as error:
             self.say(str(error))
             return

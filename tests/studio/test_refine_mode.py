@@ -1,9 +1,19 @@
 """Gestures on the head in Chromium, drawn with a pointer as a person would."""
 
+import asyncio
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from caricli.io.session import read_session
+from caricli.methods.session.work import Work
+from caricli.structures import Operation
+from caricli.studio.desk import Desk
+from caricli.studio.modes.refine_mode import RefineMode
+from caricli.studio.page import Page
+from tests.studio.conftest import run_apart
 from tests.studio.strokes import place, roll, stroke, use
 
 TURN = np.linspace(0, 2 * np.pi, 40)
@@ -75,3 +85,26 @@ def test_a_scribble_does_nothing(refining, head_template):
     stroke(tab, tip + 60 * np.random.default_rng(3).uniform(-1, 1, (24, 2)))
     tab.told("Nothing was done")
     assert tab.head() == before
+
+
+def test_what_comes_after_a_stroke_is_done_after_it(monkeypatch):
+    anything: Any = None
+    monkeypatch.setattr("caricli.methods.session.history.operate", lambda work, *_: work)
+    monkeypatch.setattr("caricli.studio.modes.refine_mode.meaning_of", lambda stroke, tools: Operation("region"))
+
+    async def run(function, *values):
+        await asyncio.sleep(0)
+        return function(*values)
+
+    async def play():
+        await asyncio.gather(mode._gesture(Operation("gesture")), mode._deselect(), page.undo())
+
+    studio: Any = SimpleNamespace(run=run, tools=None)
+    desk = Desk(anything, Work(anything))
+    page = Page(studio, desk)
+    monkeypatch.setattr(page, "say", lambda *words: None)
+    monkeypatch.setattr(page, "_after", lambda *values: None)
+    mode = RefineMode(page)
+    run_apart(play())
+    assert [each.name for each in desk.history.done] == ["region"]
+    assert [each.name for each in desk.history.undone] == ["deselect"]

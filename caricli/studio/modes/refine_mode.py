@@ -6,7 +6,7 @@ from typing import Any
 from nicegui import ui
 
 from caricli.errors import CaricliError
-from caricli.methods.session.gesture_operations import REDO, UNDO, meaning_of
+from caricli.methods.session.gesture_operations import meaning_of
 from caricli.structures import Operation
 from caricli.structures.gesture import LEVELS
 from caricli.studio.modes.mode import Mode
@@ -95,19 +95,18 @@ class RefineMode(Mode):
             await self._gesture(Operation("gesture", stroke | {"symmetric": self.symmetric.value}))
 
     async def _gesture(self, operation: Operation) -> None:
-        """Do what a stroke means, and say what that is; where it is doubtful, say so and do nothing."""
-        try:
-            meant = await self.page.studio.run(meaning_of, operation, self.page.studio.tools)
-        except CaricliError as error:
-            self.page.say(f"{error}. Nothing was done: draw it again, or press its button.")
-            return
-        if meant == UNDO:
-            await self.page.undo()
-        elif meant == REDO:
-            await self.page.redo()
-        else:
-            assert isinstance(meant, Operation)
-            await self._do(meant.name, dict(meant.parameters))
+        """Do what a stroke means, before what comes after it, and say what that is; where it is doubtful, say so and do
+        nothing."""
+        async with self.page.turn:
+            try:
+                meant = await self.page.studio.run(meaning_of, operation, self.page.studio.tools)
+            except CaricliError as error:
+                self.page.say(f"{error}. Nothing was done: draw it again, or press its button.")
+                return
+            if isinstance(meant, Operation):
+                await self.page.do_now(meant, words=_words(meant))
+            else:
+                await self.page.travel(meant)
 
     async def _raise(self, name: str, level: int) -> None:
         await self._do(name, {"level": level, "symmetric": self.symmetric.value})
@@ -117,9 +116,8 @@ class RefineMode(Mode):
 
     async def _do(self, name: str, parameters: dict) -> None:
         """Do an operation, and say which."""
-        level = f" {parameters['level']}" if "level" in parameters else ""
-        words = {"depress": "press in"}.get(name, name).capitalize()
-        await self.page.do(Operation(name, parameters), words=f"{words}{level}.")
+        operation = Operation(name, parameters)
+        await self.page.do(operation, words=_words(operation))
 
     async def _key(self, event: Any) -> None:
         listening = self.shown and self.keys.value and event.action.keydown
@@ -133,3 +131,10 @@ class RefineMode(Mode):
             await self._deselect()
         elif letter in KEYS:
             self.tool.value = KEYS[letter]
+
+
+def _words(operation: Operation) -> str:
+    """What an operation is called, and its level."""
+    name = {"depress": "press in"}.get(operation.name, operation.name).capitalize()
+    level = operation.parameters.get("level")
+    return f"{name}." if level is None else f"{name} {level}."
