@@ -17,7 +17,8 @@ class Guard:
     """Lets pages of this machine alone in, or with a token those that know it.
 
     Without a token the name that was asked for has to be this machine's, so that no page from elsewhere gets in under a
-    name of its own. With one, the address carries it once, and a cookie from then on.
+    name of its own. With one, the address carries it once, and a cookie from then on; of what pages from elsewhere ask
+    for, only links bring it along.
     """
 
     def __init__(self, app: ASGIApp, token: str | None) -> None:
@@ -34,7 +35,7 @@ class Guard:
             await send({"type": "websocket.close", "code": 1008})
         elif self.token is not None and self._told(scope):
             answer = RedirectResponse("/", 303)
-            answer.set_cookie(COOKIE, str(self.token), httponly=True, samesite="strict")
+            answer.set_cookie(COOKIE, str(self.token), httponly=True, samesite="lax")
             await answer(scope, receive, send)
         else:
             end = ", which ends in a token" if self.token else "; --host NAME serves under another one"

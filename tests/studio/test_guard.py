@@ -1,3 +1,5 @@
+from typing import Any, cast
+
 import pytest
 
 from caricli.studio.guard import Guard
@@ -39,6 +41,23 @@ def test_a_page_from_elsewhere_may_link_here_and_take_nothing():
         assert answer(None, [*asked, (b"sec-fetch-dest", dest)])[0] == status
     own = [(b"host", b"localhost"), (b"sec-fetch-site", b"same-origin"), (b"sec-fetch-dest", b"image")]
     assert answer(None, own)[0] == 200
+
+
+def test_a_link_from_elsewhere_that_has_the_token_comes_in():
+    sent: list[dict] = []
+
+    async def send(message):
+        sent.append(message)
+
+    asked = [(b"sec-fetch-site", b"cross-site"), (b"sec-fetch-dest", b"document")]
+    scope = {"type": "http", "method": "GET", "headers": asked, "query_string": b"token=secret"}
+    run_apart(Guard(cast(Any, None), "secret")(scope, cast(Any, None), send))
+    cookie = dict(sent[0]["headers"])[b"set-cookie"]
+    assert b"SameSite=lax" in cookie and b"HttpOnly" in cookie
+    given = (b"cookie", cookie.partition(b";")[0])
+    assert answer("secret", [*asked, given])[0] == 200
+    for dest in (b"image", b"iframe", b"empty", b"websocket"):
+        assert answer("secret", [asked[0], (b"sec-fetch-dest", dest), given])[0] == 403
 
 
 def test_without_the_token_it_is_asked_for():
