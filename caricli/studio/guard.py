@@ -1,6 +1,7 @@
 """Who may ask the server for anything."""
 
 import secrets
+from hashlib import sha256
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs
 
@@ -9,8 +10,6 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 """Names of one's own machine."""
-
-COOKIE = "caricli_studio"
 
 
 class Guard:
@@ -25,6 +24,8 @@ class Guard:
         """app: what is guarded. token: text, or None."""
         self.app = app
         self.token = token
+        # A host has its cookies of all ports together: every studio has one of its own.
+        self.cookie = f"caricli_studio_{sha256(str(token).encode()).hexdigest()[:12]}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer, or refuse."""
@@ -35,7 +36,7 @@ class Guard:
             await send({"type": "websocket.close", "code": 1008})
         elif self.token is not None and self._told(scope):
             answer = RedirectResponse("/", 303)
-            answer.set_cookie(COOKIE, str(self.token), httponly=True, samesite="lax")
+            answer.set_cookie(self.cookie, str(self.token), httponly=True, samesite="lax")
             await answer(scope, receive, send)
         else:
             end = ", which ends in a token" if self.token else "; --host NAME serves under another one"
@@ -52,7 +53,7 @@ class Guard:
             names += [] if origin is None else [_host(origin.partition("://")[2])]
             return all(name in LOOPBACK for name in names)
         try:
-            cookie = SimpleCookie(headers.get(b"cookie", "")).get(COOKIE)
+            cookie = SimpleCookie(headers.get(b"cookie", "")).get(self.cookie)
         except CookieError:
             return False
         return cookie is not None and secrets.compare_digest(cookie.value.encode(), self.token.encode())

@@ -21,6 +21,20 @@ def answer(token, headers, query=b""):
     return sent[0]["status"], bytes(sent[-1]["body"]).decode()
 
 
+def cookie(token, headers=()):
+    """The cookie of somebody who came with the token."""
+    sent: list[dict] = []
+
+    async def send(message):
+        sent.append(message)
+
+    scope = {"type": "http", "method": "GET", "headers": headers, "query_string": b"token=" + token.encode()}
+    run_apart(Guard(cast(Any, None), token)(scope, cast(Any, None), send))
+    name, *rules = dict(sent[0]["headers"])[b"set-cookie"].split(b"; ")
+    assert {b"SameSite=lax", b"HttpOnly"} < {*rules}
+    return name
+
+
 @pytest.mark.parametrize("host", [b"127.0.0.1:8020", b"localhost:8020", b"[::1]:8020"])
 def test_this_machine_comes_in(host):
     assert answer(None, [(b"host", host)])[0] == 200
@@ -44,17 +58,8 @@ def test_a_page_from_elsewhere_may_link_here_and_take_nothing():
 
 
 def test_a_link_from_elsewhere_that_has_the_token_comes_in():
-    sent: list[dict] = []
-
-    async def send(message):
-        sent.append(message)
-
     asked = [(b"sec-fetch-site", b"cross-site"), (b"sec-fetch-dest", b"document")]
-    scope = {"type": "http", "method": "GET", "headers": asked, "query_string": b"token=secret"}
-    run_apart(Guard(cast(Any, None), "secret")(scope, cast(Any, None), send))
-    cookie = dict(sent[0]["headers"])[b"set-cookie"]
-    assert b"SameSite=lax" in cookie and b"HttpOnly" in cookie
-    given = (b"cookie", cookie.partition(b";")[0])
+    given = (b"cookie", cookie("secret", asked))
     assert answer("secret", [*asked, given])[0] == 200
     for dest in (b"image", b"iframe", b"empty", b"websocket"):
         assert answer("secret", [asked[0], (b"sec-fetch-dest", dest), given])[0] == 403
@@ -66,4 +71,9 @@ def test_without_the_token_it_is_asked_for():
         "This studio opens with the address that caricli printed, which ends in a token.\n",
     )
     assert answer("secret", [(b"host", b"localhost")], b"token=secret")[0] == 303
-    assert answer("secret", [(b"cookie", b"caricli_studio=secret")])[0] == 200
+    assert answer("secret", [(b"cookie", cookie("secret"))])[0] == 200
+
+
+def test_studios_of_one_host_leave_each_other_their_cookies():
+    both = cookie("secret") + b"; " + cookie("other")
+    assert [answer(token, [(b"cookie", both)])[0] for token in ("secret", "other", "third")] == [200, 200, 403]
