@@ -2,9 +2,9 @@
 
 import secrets
 from hashlib import sha256
-from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs
 
+from starlette.requests import cookie_parser
 from starlette.responses import PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -52,11 +52,8 @@ class Guard:
             origin = headers.get(b"origin")
             names += [] if origin is None else [_host(origin.partition("://")[2])]
             return all(name in LOOPBACK for name in names)
-        try:
-            cookie = SimpleCookie(headers.get(b"cookie", "")).get(self.cookie)
-        except CookieError:
-            return False
-        return cookie is not None and secrets.compare_digest(cookie.value.encode(), self.token.encode())
+        given = cookie_parser(headers.get(b"cookie", "")).get(self.cookie, "")
+        return secrets.compare_digest(given.encode(), self.token.encode())
 
     def _told(self, scope: Scope) -> bool:
         given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]

@@ -77,3 +77,10 @@ def test_without_the_token_it_is_asked_for():
 def test_studios_of_one_host_leave_each_other_their_cookies():
     both = cookie("secret") + b"; " + cookie("other")
     assert [answer(token, [(b"cookie", both)])[0] for token in ("secret", "other", "third")] == [200, 200, 403]
+
+
+@pytest.mark.parametrize("other", [b'prefs={"a":1,"b":[1,2]}', b"theme=a b", b"name=J\xfcrgen", b"flag", b"[x]=1"])
+def test_cookies_of_other_programs_shut_nobody_out(other):
+    for both in (other + b"; " + cookie("secret"), cookie("secret") + b"; " + other):
+        assert answer("secret", [(b"cookie", both)])[0] == 200
+    assert answer("secret", [(b"cookie", other)])[0] == 403
