@@ -20,12 +20,15 @@ _LARGEST = 100.0
 def marks(work: Work, parameters: Parameters, tools: Tools) -> Work:
     """All landmarks at once, as a detector or a file has them, or the mean shape.
 
-    landmarks: an object of the schema caricli.landmarks/1; of the picture, where there is one.
+    landmarks: an object of the schema caricli.landmarks/1; of the picture, where there is one, and of its size.
     """
     only(parameters, "landmarks")
     given = landmarks_from_json(parameters.get("landmarks"))
     if work.picture is not None:
         height, width = work.picture.shape[:2]
+        if given.image_size not in (None, (width, height)):
+            other = "{} x {}".format(*given.image_size)
+            raise InputError(f"expected landmarks of the {width} x {height} picture, found {other}")
         given = replace(given, image_size=(width, height))
     return replace(work, landmarks=given)
 

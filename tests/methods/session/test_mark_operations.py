@@ -133,3 +133,11 @@ def test_landmarks_of_another_picture_are_refused(start, tools):
     far = landmarks_to_json(Landmarks(np.random.default_rng(0).uniform(900, 1200, (68, 2))))
     with pytest.raises(CaricliError, match="expected the landmarks of a face in the 320 x 240 image"):
         operate(start, Operation("marks", {"landmarks": far}), tools)
+
+
+def test_landmarks_of_a_picture_of_another_size_are_refused(start, laid, tools):
+    other = landmarks_to_json(replace(laid, image_size=(640, 480)))
+    with pytest.raises(CaricliError, match="^marks: expected landmarks of the 320 x 240 picture, found 640 x 480"):
+        operate(start, Operation("marks", {"landmarks": other}), tools)
+    anywhere = landmarks_to_json(replace(laid, image_size=None))
+    assert operate(start, Operation("marks", {"landmarks": anywhere}), tools).landmarks.image_size == SIZE
