@@ -7,6 +7,7 @@ from pathlib import Path
 from caricli.errors import InputError, naming, shown
 from caricli.io.image import is_image_file, read_image
 from caricli.io.meshes.mesh import is_mesh_file
+from caricli.io.meshes.mtl import material_library
 from caricli.io.provenance import sha256_file
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.encode_landmarks import LandmarkEncoder
@@ -97,6 +98,16 @@ def load_start(path: Path | None, tools: SessionTools) -> Work:
     sketch = load_sketch(path).scaled((CANVAS_SIDE, CANVAS_SIDE))
     with naming(path):
         return operate(Work(encode_face(mean, model), sketch), Operation("follow"), tools)
+
+
+def check_alone(path: Path) -> None:
+    """Raises InputError for an OBJ that came without its materials: beside them its session would give another face."""
+    library = material_library(path)
+    if library is not None and not library.exists():
+        name = shown(path.name)
+        raise InputError(
+            f"{name}: expected its materials beside it, found none: caricli studio {name} opens it in them"
+        )
 
 
 def start_of(path: Path | None) -> Start | None:

@@ -16,6 +16,7 @@ from caricli.io.files import read_start
 from caricli.io.landmarks import landmarks_to_json, read_landmarks
 from caricli.io.session import operation_to_json, read_session
 from caricli.methods.session.gesture_operations import REDO, UNDO
+from caricli.store.session_tools import check_alone
 from caricli.structures import Operation
 from caricli.studio.components import Head, Keep
 from caricli.studio.desk import Desk
@@ -301,6 +302,7 @@ class Page:
             given = {"landmarks": landmarks_to_json(read_landmarks(path))}
             await self.studio.run(self.desk.do, Operation("marks", given))
         else:
+            await self.studio.run(check_alone, path)
             await self.studio.run(self.desk.open, path)
 
     def _was_opened(self, event: Any) -> None:

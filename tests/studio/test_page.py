@@ -150,6 +150,11 @@ def test_what_is_no_file_of_ours_is_refused_in_words(tab, tmp_path):
     tab.open(bad)
     tab.told("notes.npz: expected")
     assert tab.shown == before and str(tmp_path) not in tab.page.locator(".caricli-told").inner_text()
+    painted = tmp_path / "painted.obj"
+    painted.write_text("mtllib painted.mtl\nv 0 0 0\n")
+    tab.open(painted)
+    tab.told("painted.obj: expected its materials beside it, found none: caricli studio painted.obj opens it in them")
+    assert tab.shown == before
     far = tmp_path / "far.json"
     far.write_text(json.dumps({"schema": "caricli.session/1", "start": None, "operations": [{"name": "rm"}]}))
     tab.open(far)

@@ -21,12 +21,18 @@ def material_pictures(path: str | Path) -> dict[str, Path]:
     where the library is not there, as where a mesh was copied alone.
     Raises InputError when a file cannot be read, or a name leads out of the folder.
     """
-    if Path(path).suffix.lower() != ".obj":
-        return {}
-    library = next(iter(_named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path).values()), None)
+    library = material_library(path)
     if library is None or not library.exists():
         return {}
     return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
+
+
+def material_library(path: str | Path) -> Path | None:
+    """The first `mtllib` of an OBJ file, whether it is there or not; None for any other kind of file. Raises InputError
+    as ``material_pictures``."""
+    if Path(path).suffix.lower() != ".obj":
+        return None
+    return next(iter(_named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path).values()), None)
 
 
 def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:
