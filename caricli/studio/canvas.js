@@ -1,6 +1,6 @@
 // Lines are drawn here at once; the server hears of a stroke when it is done.
 const NEAR = 1.2; // pixels of the canvas between points of a stroke
-const WIDTH = 2.2; // pixels of the canvas, a line at medium pressure
+const WIDTH = 2.2; // pixels of a canvas of 512, a line at medium pressure
 
 export default {
   template: `
@@ -16,6 +16,10 @@ export default {
     shape() {
       const { width, height } = this;
       return { aspectRatio: `${width} / ${height}`, width: `min(100cqw, ${(100 * width) / height}cqh)` };
+    },
+    // How much finer the canvas is than one of 512 pixels, which widths are told of.
+    finer() {
+      return Math.max(1, this.width / 512, this.height / 512);
     },
   },
   mounted() {
@@ -78,7 +82,7 @@ export default {
       const { points, pressure, pen } = this.stroke;
       this.stroke = null;
       const parameters = { points };
-      if (this.tool === "erase") parameters.radius = this.radius;
+      if (this.tool === "erase") parameters.radius = this.radius * this.finer;
       else if (pen) parameters.pressure = pressure.map((each) => Math.min(1, each));
       this.$refs.sheet.dataset.lifted = performance.now();
       const operation = { name: this.tool === "draw" ? this.drawn : this.rubbed, parameters };
@@ -104,7 +108,7 @@ export default {
       const pen = this.pen();
       for (let k = Math.max(from, 0); k < points.length; k++) {
         const strength = (felt || felt === undefined) && pressure ? pressure[k] : 0.5;
-        pen.lineWidth = WIDTH * (0.4 + 1.2 * strength) * Math.max(1, this.width / 512);
+        pen.lineWidth = WIDTH * (0.4 + 1.2 * strength) * this.finer;
         pen.beginPath();
         pen.moveTo(points[Math.max(k - 1, 0)][0] + 0.5, points[Math.max(k - 1, 0)][1] + 0.5);
         pen.lineTo(points[k][0] + 0.5, points[k][1] + 0.5);
@@ -114,7 +118,7 @@ export default {
     rub({ points }, from = 0) {
       const pen = this.pen();
       pen.globalCompositeOperation = "destination-out";
-      pen.lineWidth = 2 * this.radius;
+      pen.lineWidth = 2 * this.radius * this.finer;
       for (let k = Math.max(from, 0); k < points.length; k++) {
         pen.beginPath();
         pen.moveTo(points[Math.max(k - 1, 0)][0] + 0.5, points[Math.max(k - 1, 0)][1] + 0.5);

@@ -186,10 +186,15 @@ def test_a_session_and_a_sketch_open_in_the_page(tab, tmp_path):
 @pytest.mark.parametrize("size", [(900, 300), (300, 900)])
 def test_a_picture_keeps_its_shape_on_the_canvas(tab, tmp_path, size):
     Image.new("RGB", size, (200, 190, 180)).save(tmp_path / "wall.png")
+    tab.page.get_by_role("button", name="Eraser").click()
     tab.changed(lambda: tab.open(tmp_path / "wall.png"))
     tab.page.wait_for_function(f"document.querySelector('.caricli-canvas canvas').width == {size[0]}")
     box = tab.page.locator(".caricli-canvas canvas").first.bounding_box()
     assert box["width"] / box["height"] == pytest.approx(size[0] / size[1], rel=0.01)
+    tab.draw([(250, 80), (260, 90)])
+    tab.save("session", tmp_path / "session.json")
+    (erased,) = read_session(tmp_path / "session.json").operations
+    assert erased.name == "erase" and erased.parameters["radius"] == pytest.approx(10 * 900 / 512)
 
 
 def test_a_texture_that_comes_late_is_left(tab):

@@ -9,7 +9,7 @@ from caricli.studio.components import Canvas
 from caricli.studio.modes.mode import Mode
 
 _RADIUS = 10
-"""Pixels of the canvas, half the width of the eraser."""
+"""Pixels of a canvas of 512, half the width of the eraser."""
 
 
 class DrawMode(Mode):
@@ -44,7 +44,7 @@ class DrawMode(Mode):
         await self.page.do(Operation("follow"))
 
     def _use(self, event: Any) -> None:
-        self.canvas.run_method("use", event.value, _RADIUS * max(1.0, self.page.desk.work.sketch.size[0] / 512))
+        self.canvas.run_method("use", event.value, _RADIUS)
 
     def begin(self) -> None:
         """The canvas of what was opened."""
