@@ -84,7 +84,7 @@ def _path(text: str, scale: float) -> Iterator[np.ndarray]:
     line: list[np.ndarray] = []
     for segment in segments:
         if type(segment).__name__ == "Move":
-            if line:
+            if len(line) > 1:
                 yield np.vstack(line)
             line = [_point(segment.end, text)]
             continue

@@ -51,7 +51,7 @@ def test_every_command_of_a_path(tmp_path):
 
 
 def test_parts_of_a_path_are_strokes(tmp_path):
-    sketch = read(tmp_path, '<path class="wrinkle" d="M1 2 L3 4 M5 6 L7 8 m1 1 l2 2"/>')
+    sketch = read(tmp_path, '<path class="wrinkle" d="M9 9 M1 2 L3 4 M5 6 L7 8 m1 1 l2 2 M9 9"/>')
     assert [len(stroke.points) for stroke in sketch.strokes] == [2, 2, 2]
     assert {stroke.kind for stroke in sketch.strokes} == {StrokeKind.WRINKLE}
 
