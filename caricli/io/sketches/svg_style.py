@@ -8,6 +8,7 @@ from xml.etree.ElementTree import Element
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(px|pt|pc|mm|cm|in|)\s*")
 _UNITS = {"": 1.0, "px": 1.0, "pt": 96 / 72, "pc": 16.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "in": 96.0}
 _SELECTOR = re.compile(r"([.#][\w-]+|(?:^|(?<=[\s>+~]))(?:[\w-]+|\*))$")
+_COMMENT = re.compile(r"/\*.*?(?:\*/|\Z)", re.DOTALL)
 _KEYS = (
     *("stroke", "stroke-width", "stroke-opacity", "fill", "fill-rule", "fill-opacity", "opacity"),
     *("display", "visibility", "transform"),
@@ -30,7 +31,7 @@ def style_rules(text: str) -> dict[str, dict[str, str]]:
     """Declarations of a style sheet by ``.class``, ``#id``, the name of an element or ``*``: each what a selector ends
     with. Other selectors are passed over."""
     rules: dict[str, dict[str, str]] = {}
-    for rule in text.split("}")[:-1]:
+    for rule in _COMMENT.sub("", text).split("}")[:-1]:
         before, _, body = rule.rpartition("{")
         declarations = _declarations(body)
         for selector in before.rpartition("{")[2].split(","):
@@ -41,8 +42,14 @@ def style_rules(text: str) -> dict[str, dict[str, str]]:
 
 
 def _declarations(text: str) -> dict[str, str]:
-    pairs = (entry.partition(":") for entry in text.split(";"))
-    return {key.strip(): value.strip() for key, _, value in pairs if key.strip() in _KEYS}
+    """Values by their names; by names with a mark of exclamation those that are important."""
+    declarations: dict[str, str] = {}
+    for entry in text.split(";"):
+        key, _, told = entry.partition(":")
+        value, important, _ = told.partition("!")
+        if key.strip() in _KEYS:
+            declarations[key.strip() + important] = value.strip()
+    return declarations
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,8 @@ class Style:
         classes = [f".{word}" for word in (element.get("class") or "").split()]
         for key in ("*", str(element.tag).rpartition("}")[2], *classes, f"#{element.get('id')}"):
             values |= rules.get(key, {})
-        values |= _declarations(element.get("style") or "")
+        values |= _declarations(_COMMENT.sub("", element.get("style") or ""))
+        values |= {key: values[f"{key}!"] for key in _KEYS if f"{key}!" in values}
         stroke = values.get("stroke", "inherit")
         width = length_in_pixels(values.get("stroke-width"))
         fill = values.get("fill", "inherit")

@@ -128,6 +128,22 @@ def test_style_sheets_add_to_each_other(tmp_path):
     assert len(stroke.points) == 2 and stroke.width == 3
 
 
+@pytest.mark.parametrize(
+    ("sheet", "style"),
+    [
+        (".b{/* thin; } */stroke:none;fill:none}", ""),
+        ("", "fill:none;/* stroke:red; */stroke:none"),
+        (".b{stroke:none !important;fill:none!important;stroke:red} #b{stroke:red}", "stroke:red;fill:red"),
+        (".b{stroke:red !important}", "stroke:none! important;fill:none"),
+        ("#b{stroke:none;fill:none} /* .b{stroke:red !important}", ""),
+    ],
+)
+def test_comments_say_nothing_and_what_is_important_counts(tmp_path, sheet, style):
+    path = f'<path id="b" class="b" stroke="red" style="{style}" d="M1 1 L2 2"/>'
+    (stroke,) = read(tmp_path, f'<style>{sheet}</style>{path}<line stroke="red" x2="4"/>').strokes
+    assert stroke.points[-1, 0] == 3.5
+
+
 def outline(line, widths):
     """The outline of a mark, as a path."""
     ways = np.gradient(line, axis=0)
