@@ -17,6 +17,9 @@ _LARGEST = 1e9
 _PAPER = 0.8
 """Luma, 0 to 1, of what is no ink, at least."""
 
+Rules = Mapping[str, Mapping[str, tuple[int, str]]]
+"""By selector and name: how many rules stand before it in the sheet, and a value."""
+
 
 def length_in_pixels(text: str | None) -> float | None:
     """A length such as ``12``, ``3.5mm`` or ``1in``, 96 pixels an inch; None where it is none, or a percentage."""
@@ -27,18 +30,24 @@ def length_in_pixels(text: str | None) -> float | None:
     return value if abs(value) <= _LARGEST else None
 
 
-def style_rules(text: str) -> dict[str, dict[str, str]]:
+def style_rules(text: str) -> Rules:
     """Declarations of a style sheet by ``.class``, ``#id``, the name of an element or ``*``: each what a selector ends
     with. Other selectors are passed over."""
-    rules: dict[str, dict[str, str]] = {}
-    for rule in _COMMENT.sub("", text).split("}")[:-1]:
+    rules: dict[str, dict[str, tuple[int, str]]] = {}
+    for place, rule in enumerate(_COMMENT.sub("", text).split("}")[:-1]):
         before, _, body = rule.rpartition("{")
-        declarations = _declarations(body)
+        declarations = {key: (place, value) for key, value in _declarations(body).items()}
         for selector in before.rpartition("{")[2].split(","):
             match = _SELECTOR.search(selector.strip())
             if match:
                 rules.setdefault(match[1], {}).update(declarations)
     return rules
+
+
+def _told(selectors: list[str], rules: Rules) -> dict[str, str]:
+    """What selectors of equal weight say together: where they say the same, the last one of the sheet counts."""
+    pairs = [pair for selector in selectors for pair in rules.get(selector, {}).items()]
+    return {key: value for key, (_, value) in sorted(pairs, key=lambda pair: pair[1][0])}
 
 
 def _declarations(text: str) -> dict[str, str]:
@@ -79,12 +88,12 @@ class Style:
         """Whether it is filled with what is no paper."""
         return self.filled and not self.clear[1]
 
-    def within(self, element: Element, rules: Mapping[str, Mapping[str, str]]) -> "Style":
+    def within(self, element: Element, rules: Rules) -> "Style":
         """The style of an element in one of this style. rules: as ``style_rules`` gives them."""
         values = {key: value for key in _KEYS if (value := element.get(key)) is not None}
         classes = [f".{word}" for word in (element.get("class") or "").split()]
-        for key in ("*", str(element.tag).rpartition("}")[2], *classes, f"#{element.get('id')}"):
-            values |= rules.get(key, {})
+        for selectors in (["*"], [str(element.tag).rpartition("}")[2]], classes, [f"#{element.get('id')}"]):
+            values |= _told(selectors, rules)
         values |= _declarations(_COMMENT.sub("", element.get("style") or ""))
         values |= {key: values[f"{key}!"] for key in _KEYS if f"{key}!" in values}
         stroke = values.get("stroke", "inherit")

@@ -128,6 +128,13 @@ def test_style_sheets_add_to_each_other(tmp_path):
     assert len(stroke.points) == 2 and stroke.width == 3
 
 
+@pytest.mark.parametrize("classes", ["a b", "b a"])
+def test_of_classes_that_say_the_same_the_last_one_of_the_sheet_counts(tmp_path, classes):
+    sheet = ".a{stroke-width:1px;stroke:#222} .b{stroke-width:2px;fill:none;stroke:none} .a{stroke:#444}"
+    (stroke,) = read(tmp_path, f'<style>{sheet}</style><path class="{classes}" d="M1 1 L2 2"/>').strokes
+    assert stroke.width == 2
+
+
 @pytest.mark.parametrize(
     ("sheet", "style"),
     [
