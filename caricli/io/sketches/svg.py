@@ -182,7 +182,8 @@ class _Reader:
             if target is not None:
                 yield from self._used(target, element, inner)
         elif name in _LINES:
-            yield from self._lines(element, inner)
+            if style.visible:
+                yield from self._lines(element, inner)
         else:
             for child in element:
                 # What a symbol holds is drawn only where it is used.

@@ -66,8 +66,8 @@ class Style:
     """How a line is drawn.
 
     line: with a stroke. width: of it, in units of the drawing, or None. filled: with what is no paper, which is bright.
-    clear: whether a stroke, and what fills, cannot be seen. hidden: not at all. even_odd: by which rule it is filled.
-    transform: of this element alone, or None.
+    clear: whether a stroke, and what fills, cannot be seen. hidden: nor anything in it. visible: what is in it may be
+    where it is not. even_odd: by which rule it is filled. transform: of this element alone, or None.
     """
 
     line: bool = False
@@ -75,6 +75,7 @@ class Style:
     filled: bool = True
     clear: tuple[bool, bool] = (False, False)
     hidden: bool = False
+    visible: bool = True
     even_odd: bool = False
     transform: str | None = None
 
@@ -100,13 +101,14 @@ class Style:
         width = length_in_pixels(values.get("stroke-width"))
         fill = values.get("fill", "inherit")
         rule = values.get("fill-rule", "inherit")
-        unseen = values.get("display") == "none" or values.get("visibility") in ("hidden", "collapse")
+        seen = values.get("visibility", "inherit")
         return Style(
             self.line if stroke == "inherit" else not _is_clear(stroke),
             self.width if width is None else width,
             self.filled if fill == "inherit" else _is_ink(fill),
             (_is_nothing(values, "stroke-opacity", self.clear[0]), _is_nothing(values, "fill-opacity", self.clear[1])),
-            self.hidden or unseen or _is_nothing(values, "opacity", False),
+            self.hidden or values.get("display") == "none" or _is_nothing(values, "opacity", False),
+            self.visible if seen == "inherit" else seen == "visible",
             self.even_odd if rule == "inherit" else rule == "evenodd",
             values.get("transform"),
         )

@@ -334,6 +334,13 @@ def test_what_cannot_be_seen_is_no_line(tmp_path, style):
     assert stroke.points[-1, 0] == 3.5
 
 
+def test_what_is_visible_in_a_hidden_group_is_a_line(tmp_path):
+    lines = '<line x2="4"/><line visibility="visible" x2="5"/><g style="visibility:visible"><line x2="6"/></g>'
+    hidden = f'<g visibility="hidden" stroke="red">{lines}</g><g visibility="collapse" stroke="red">{lines}</g>'
+    drawn = read(tmp_path, hidden + f'<g display="none" stroke="red">{lines}</g>').strokes
+    assert [stroke.points[-1, 0] for stroke in drawn] == [4.5, 5.5, 4.5, 5.5]
+
+
 def test_a_fill_that_cannot_be_seen_is_no_mark_of_a_brush(tmp_path):
     mark = f'<path fill="#000" fill-opacity="0" d="{outline(LINE, PRESSED)}"/>'
     assert len(read(tmp_path, mark + '<line stroke="#000" x2="4"/>').strokes) == 1
