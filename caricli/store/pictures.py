@@ -58,10 +58,12 @@ def find_picture(image: Path | None, path: Path, name: str | None) -> Path | Non
     if is_image_file(path):
         return None
     if not image.is_dir():
-        raise InputError(f"{image}: expected a folder of pictures, because results of many inputs were asked for")
+        raise InputError(
+            f"{shown(image)}: expected a folder of pictures, because results of many inputs were asked for"
+        )
     pictures = [image / f"{name}{suffix}" for suffix in PICTURES if (image / f"{name}{suffix}").is_file()]
     if not pictures:
-        raise InputError(f"{image}: expected a picture named {name} with one of {', '.join(PICTURES)}")
+        raise InputError(f"{shown(image)}: expected a picture named {shown(name)} with one of {', '.join(PICTURES)}")
     return pictures[0]
 
 
@@ -80,7 +82,8 @@ def load_marked_picture(
     size = (picture.shape[1], picture.shape[0])
     if marks.image_size is not None and tuple(marks.image_size) != size:
         other = "{} x {}".format(*marks.image_size)
-        raise InputError(f"{path}: expected landmarks of the {size[0]} x {size[1]} picture {image}, found {other}")
+        own = f"{size[0]} x {size[1]} picture {shown(image)}"
+        raise InputError(f"{shown(path)}: expected landmarks of the {own}, found {other}")
     with naming(path):
         return replace(marks, image_size=size), picture
 

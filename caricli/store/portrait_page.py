@@ -196,7 +196,7 @@ def _said(head: PortraitHead, where: PageFolder, tag: str) -> str:
     doubt = doubt_of_head(where.home / head.folder)
     kind = "doubt" if doubt and not head.failed else "failed"
     text = head.failed or (f"doubtful: {doubt}" if doubt else "")
-    return f'<{tag} class="{kind}">{html.escape(text)}</{tag}>' if text or tag == "td" else ""
+    return f'<{tag} class="{kind}">{html.escape(shown(text))}</{tag}>' if text or tag == "td" else ""
 
 
 def _section(head: PortraitHead, where: PageFolder) -> str:

@@ -57,6 +57,19 @@ def test_landmarks_of_another_picture_are_refused_by_name(points, photo, tmp_pat
         load_marked_picture(tmp_path / "far.npy", photo)
 
 
+def test_names_that_are_not_utf8_are_told_in_what_can_be_printed(points, photo, tmp_path):
+    path = tmp_path / "b\udcff.json"
+    write_landmarks(path, Landmarks(points, (WIDTH, HEIGHT + 1)))
+    strange = photo.rename(photo.with_name("p\udcff.png"))
+    with pytest.raises(InputError, match=r"b\\udcff.json: expected landmarks .* picture .*p\\udcff.png, found") as told:
+        load_marked_picture(path, strange)
+    assert str(told.value).isprintable()
+    for image in (strange, photo.parent):
+        with pytest.raises(InputError) as told:
+            find_picture(image, path, path.stem)
+        assert str(told.value).isprintable()
+
+
 def test_pts_from_0_are_a_pixel_away(points, tmp_path):
     path = tmp_path / "marks.pts"
     write_landmarks(path, Landmarks(points))

@@ -66,7 +66,8 @@ def test_a_page_of_earlier_heads_is_written_anew_and_another_is_not(home):
 
 def test_a_name_need_not_be_utf8(home):
     write_json(report_of(home, "n\udcff"), report(home.parent))
-    page = page_of(home, [home.parent / "elsewhere" / "n\udcff.png"], {home / "m\udcff.png": "no face"})
+    page = page_of(home, [home.parent / "elsewhere" / "n\udcff.png"], {home / "m\udcff.png": "m\udcff: no face"})
+    assert page.count("m\\udcff: no face") == 2
     assert '<a href="#n%FF">n\\udcff</a>' in page and '<h2 id="m%FF">m\\udcff</h2>' in page
 
 
