@@ -181,6 +181,7 @@ export default {
       this.skin = skin;
       const bounds = [0, skin, triangles - hair, triangles];
       for (let k = 0; k < 3; k++) this.geometry.addGroup(3 * bounds[k], 3 * (bounds[k + 1] - bounds[k]), k);
+      this.shown = undefined; // its positions are still to come, even where a later frame was there before it
     },
     // Only positions, whenever the face changes; an older answer that comes later is left.
     async show(number) {

@@ -205,6 +205,13 @@ def test_a_texture_that_comes_late_is_left(tab):
     assert not tab.page.evaluate(worn)
 
 
+def test_a_layout_that_comes_late_gets_its_positions(tab):
+    head = "document.querySelector('.caricli-head').caricli"
+    late = f"{head}.layout({tab.shown - 1}).then(() => {head}.show({tab.shown - 1}))"
+    assert tab.page.evaluate(f"{late}.then(() => Math.max(...{head}.geometry.attributes.position.array))") > 0.05
+    assert not tab.faults
+
+
 def test_a_tab_that_the_server_has_ended_says_so(tab):
     tab.page.route("**/studio/*/*/*", lambda route: route.fulfill(status=404))
     tab.page.get_by_role("button", name="New").click()
