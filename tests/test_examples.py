@@ -37,6 +37,7 @@ def run(tmp_path):
     return run
 
 
+@pytest.mark.slow
 def test_own_model(run, tmp_path):
     printed = run(ROOT / "examples" / "own_model" / "run.sh", tmp_path / "out")
     assert "components for 99 %" in printed and "test mm (%)" in printed
@@ -47,6 +48,7 @@ def test_own_model(run, tmp_path):
     assert read_checkpoint(tmp_path / "out" / "pca.safetensors")[1]["recipe"]["config"]["dimension"] == 8
 
 
+@pytest.mark.slow
 def test_second_topology(run, tmp_path):
     run(ROOT / "examples" / "second_topology" / "run.sh", tmp_path / "out")
     given = read_obj(tmp_path / "out" / "scans" / "scan_000.obj")
@@ -67,6 +69,7 @@ def test_astronaut(run, tmp_path):
     assert figures["nme"] < 0.6 and figures["prior_rms"] < 1.0 and figures["flipped"] < 0.003
 
 
+@pytest.mark.slow
 def test_rig(run, tmp_path):
     run(ROOT / "examples" / "rig" / "run.sh", tmp_path / "out", "2.2", "64")
     track, rig = read_weights(tmp_path / "out" / "weights.json"), read_rig(tmp_path / "out" / "rig.npz")
@@ -80,6 +83,7 @@ def test_rig(run, tmp_path):
         assert preview.size == (64, 64) and preview.n_frames > 20
 
 
+@pytest.mark.slow
 def test_speech(run, tmp_path):
     printed = run(ROOT / "examples" / "speech" / "run.sh", tmp_path / "out", "48")
     assert "speech, 25 mouth cues, 3 s" in printed
@@ -90,6 +94,7 @@ def test_speech(run, tmp_path):
         assert film.size == (48, 48) and film.n_frames > 50
 
 
+@pytest.mark.slow
 def test_drawing_to_rig(run, tmp_path):
     pictures, out = tmp_path / "pictures", tmp_path / "heads"
     pictures.mkdir()

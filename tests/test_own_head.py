@@ -21,6 +21,8 @@ from caricli.structures import HeadChoice
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "own_head.md").read_text("utf-8")
+pytestmark = pytest.mark.slow
+
 SIZES = ("--people 100 --acting 20", "--people 24 --acting 8 --levels 0")
 FEW = {
     "train intrinsic": "--set dimension=12",

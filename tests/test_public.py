@@ -81,12 +81,13 @@ def test_public_functions_say_their_types():
 def test_a_type_error_is_caught(tmp_path):
     good = "import caricli\n\nmesh = caricli.read_mesh('a.obj')\nprint(mesh.vertices.shape)\n"
     bad = good + "caricli.write_mesh('b.obj', mesh.vertices)\n"
-    for text, code in ((good, 0), (bad, 1)):
-        (tmp_path / "use.py").write_text(text)
-        options = ["--config-file", str(ROOT / "pyproject.toml"), "--follow-imports=silent", str(tmp_path / "use.py")]
-        done = subprocess.run([sys.executable, "-m", "mypy", *options], capture_output=True, text=True, cwd=ROOT)
-        assert done.returncode == code, done.stdout
-    assert 'expected "Mesh"' in done.stdout
+    files = [str(tmp_path / "good.py"), str(tmp_path / "bad.py")]
+    for file, text in zip(files, (good, bad), strict=True):
+        Path(file).write_text(text)
+    options = ["--config-file", str(ROOT / "pyproject.toml"), "--follow-imports=silent", *files]
+    done = subprocess.run([sys.executable, "-m", "mypy", *options], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 1 and "Found 1 error in 1 file (checked 2 source files)" in done.stdout, done.stdout
+    assert "bad.py:5: " in done.stdout and 'expected "Mesh"' in done.stdout
 
 
 def test_the_walk_of_the_page_makes_a_rig(tmp_path, head_template):

@@ -113,21 +113,18 @@ def test_a_dataset_of_other_meshes_is_refused(run, refused, eggs, tmp_path):
     assert "topology" in said and not (tmp_path / "out").exists()
 
 
-def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(run, dataset, pictures, tmp_path):
-    points = np.loadtxt(pictures / "one.txt")
-    faces = []
-    for origin in (0, 1):
-        folder = tmp_path / f"from-{origin}"
-        folder.mkdir()
-        shutil.copy(pictures / "one.png", folder)
-        rows = "\n".join(f"{x:.6f} {y:.6f}" for x, y in points + origin)
-        (folder / "one.pts").write_text(f"version: 1\nn_points: 68\n{{\n{rows}\n}}\n")
-        options = ("--count", 1, "--pictures", folder, "--pts-origin", origin)
-        result = run(*COMMAND, "--data", dataset, "--out", tmp_path / f"out-{origin}", *options)
-        assert result.exit_code == 0, result.output
-        faces.append(read_json(tmp_path / f"out-{origin}" / "portrait.json")["faces"]["pictures"]["one.png"])
-    for method, figures in faces[0].items():
-        assert figures["nme"] == pytest.approx(faces[1][method]["nme"], abs=1e-3)
+def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(run, dataset, pictures, evaluated, tmp_path):
+    folder = tmp_path / "from-1"
+    folder.mkdir()
+    shutil.copy(pictures / "one.png", folder)
+    rows = "\n".join(f"{x:.6f} {y:.6f}" for x, y in np.loadtxt(pictures / "one.txt") + 1)
+    (folder / "one.pts").write_text(f"version: 1\nn_points: 68\n{{\n{rows}\n}}\n")
+    options = ("--count", 1, "--pictures", folder, "--pts-origin", 1)
+    result = run(*COMMAND, "--data", dataset, "--out", tmp_path / "out", *options)
+    assert result.exit_code == 0, result.output
+    faces = [read_json(out / "portrait.json")["faces"]["pictures"] for out in (tmp_path / "out", evaluated[0])]
+    for method, figures in faces[0]["one.png"].items():
+        assert figures["nme"] == pytest.approx(faces[1]["one.png"][method]["nme"], abs=1e-3)
 
 
 @pytest.mark.parametrize("option", [("--count", 0), ("--noise", "nan"), ("--noise", -1)])
