@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from caricli.data.dataset import Dataset
 from caricli.errors import InputError, NumericsError
@@ -35,10 +36,13 @@ class MapTraining:
     figures: dict
 
 
+@threadpool_limits.wrap(limits=1)
 def train_landmark_map(
     data: Dataset, config: LandmarkMapConfig, seed: int, recipe: dict, stages: Stages = silent
 ) -> MapTraining:
     """Train a map on the faces of a dataset and measure it on people held out, and on those of the test split.
+
+    The same bytes come out whatever the number of threads, as sums are made by one.
 
     seed: of all draws. recipe: JSON object, how it is trained; people are added, see ``MapFaces.seen_people``.
     Raises InputError when a domain has too few meshes, NumericsError as ``learn_landmark_map``.

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from caricli.data.attributes import measure_attributes
 from caricli.data.dataset import Dataset
@@ -29,10 +30,13 @@ class LabelChoice:
     seed: int = 0
 
 
+@threadpool_limits.wrap(limits=1)
 def train_semantic(
     model: ShapeModel, data: Dataset, choice: LabelChoice, stages: Stages = silent
 ) -> tuple[Directions, dict[str, str]]:
     """Learn directions of a dataset's labels, and measure them on some of its faces.
+
+    The same bytes come out whatever the number of threads, as sums are made by one.
 
     model: of the dataset's mesh.
     Returns Directions without recipe, and from the names that were left out to the reason.

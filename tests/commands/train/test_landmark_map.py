@@ -1,4 +1,5 @@
 import pytest
+from threadpoolctl import threadpool_limits
 
 from caricli.io.bundled import config_path
 from caricli.io.checkpoint import read_checkpoint
@@ -34,6 +35,15 @@ def test_the_same_seed_gives_the_same_bytes(trained, run, dataset, tmp_path):
     again = tmp_path / "again.safetensors"
     run("train", "landmark-map", "--data", dataset, "--out", again, *TINY, "--seed", 3)
     assert again.read_bytes() == trained.read_bytes()
+
+
+def test_the_number_of_threads_changes_no_figure(run, dataset, tmp_path):
+    reports = []
+    for threads in (1, 2):
+        with threadpool_limits(threads):
+            run("train", "landmark-map", "--data", dataset, "--out", tmp_path / f"{threads}.safetensors", *TINY)
+        reports.append(read_json(tmp_path / f"{threads}.json"))
+    assert reports[0]["error"] == reports[1]["error"]
 
 
 def test_a_dataset_without_both_domains_is_refused(run, refused, tmp_path):

@@ -3,6 +3,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from caricli.data.attributes import measure_attributes
 from caricli.errors import InputError
@@ -83,3 +84,12 @@ def test_labels_that_cannot_be_learnt_are_refused_when_they_are_asked_for(data, 
     bare = SimpleNamespace(**vars(data) | {"attributes": ()})
     with pytest.raises(InputError, match="expected labels, found none"):
         train_semantic(pca, bare, LabelChoice())
+
+
+def test_the_number_of_threads_changes_no_byte(data, pca):
+    trained = []
+    for threads in (1, 2):
+        with threadpool_limits(threads):
+            trained.append(train_semantic(pca, data, LabelChoice(("Along",), 40))[0])
+    for name in ("normals", "change", "people"):
+        np.testing.assert_array_equal(getattr(trained[0], name), getattr(trained[1], name), err_msg=name)
