@@ -5,6 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from caricli.errors import InputError
+
 COMMON = (24, 25, 30, 48, 50, 60, 90, 120, 240)
 """Frames that a second of timecode can have."""
 
@@ -25,6 +27,7 @@ def timecode_seconds(timecodes: Sequence[str], fps: float | None, usual: float) 
     drop-frame: frames run at 1000/1001 of the rate, and the numbers left out keep the count with the clock. Timecodes
     that repeat, or step back a little, are jitter: those in one place share the time up to the next. Over midnight
     times go on. Where timecodes are no such text, all the same, or far from order, rows follow each other at the rate.
+    Raises InputError where a second ends within the take and shows another rate than ``fps``.
     """
     rate = fps or usual
     rows = np.arange(len(timecodes)) / rate
@@ -34,18 +37,24 @@ def timecode_seconds(timecodes: Sequence[str], fps: float | None, usual: float) 
     hours, minutes, seconds, frames = np.array([[float(match[k]) for k in (1, 2, 3, 5)] for match in matches]).T
     clock = 3600 * hours + 60 * minutes + seconds
     clock += _DAY * np.cumsum(np.diff(clock, prepend=clock[0]) < -_DAY / 2)
-    if fps is None and clock[0] != clock[-1]:
+    labels = told = np.ceil(rate - 1e-6)
+    if clock[0] != clock[-1]:
         # A take that goes over a second's end shows how many frames a second has.
         top = np.floor(frames.max()) + 1
-        rate = next((common for common in COMMON if common >= top), top)
-    labels = np.ceil(rate - 1e-6)
+        counted = next((common for common in COMMON if common >= top), top)
+        if fps is None or not top <= told <= counted:
+            rate = labels = counted
     count = labels * clock + frames
     if matches[0][4] == ";" or _skips(clock, frames, labels):
         minute = clock // 60
         count -= _dropped(labels) * (minute - minute // 10)
         rate = labels * NTSC if fps is None else rate
     times = _in_order((count - count[0]) / rate)
-    return rows if times is None else times
+    if times is None:
+        return rows
+    if fps is not None and labels != told:
+        raise InputError(f"expected --source-fps {labels:g}, as the timecodes count, found {fps:g}")
+    return times
 
 
 def _dropped(labels: float) -> float:

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from caricli.errors import InputError
 from caricli.io.takes.timecode import NTSC, timecode_seconds
 
 
@@ -46,6 +47,16 @@ def test_a_rate_that_is_given_counts_the_frames_of_every_second():
     np.testing.assert_allclose(times, np.arange(200) / 59.94, atol=1e-9)
     times = timecode_seconds(take(60 * 1800 - 2 * 59, 90, 30, 2), 30 * NTSC, 60.0)
     np.testing.assert_allclose(times, np.arange(90) / (30 * NTSC), atol=1e-9)
+    np.testing.assert_allclose(timecode_seconds(take(50, 300, 100, 0), 100, 60.0), np.arange(300) / 100, atol=1e-9)
+
+
+@pytest.mark.parametrize(("labels", "fps"), [(24, 25), (25, 30), (30, 24), (30, 60), (60, 30), (60, 29.97)])
+def test_a_rate_that_a_second_contradicts_is_refused(labels, fps):
+    with pytest.raises(InputError, match=f"expected --source-fps {labels}, as the timecodes count, found {fps}"):
+        timecode_seconds(take(50, 3 * labels, labels, 0), fps, 60.0)
+    # Within a second nothing contradicts, and timecodes in no order say nothing.
+    assert timecode_seconds(take(0, 10, labels, 0), fps, 60.0)[-1] == pytest.approx(9 / fps)
+    assert timecode_seconds(["10:00:09:00", "10:00:01:00", "10:00:10:00"], fps, 60.0)[-1] == pytest.approx(2 / fps)
 
 
 def test_frames_that_were_lost_stay_lost():
