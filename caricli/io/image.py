@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from caricli.errors import InputError, OutputError, shown
+from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.files import content_kind, opened, read_bytes
 from caricli.io.outputs import writing
 from caricli.limits import MAX_IMAGE_BYTES, MAX_IMAGE_PIXELS, MAX_IMAGE_SIDE
@@ -22,6 +22,8 @@ _BRIGHT = 230  # of 255: brighter ink is none on white paper
 _MOST_PACKED = 4  # that a head wears
 _packed: dict[str, bytes] = {}
 _packing = Lock()  # files of a head are written beside each other
+_WHITES = (1.0, 255.0, 65535.0)  # levels that white has in greys of 32 bits
+_OVER = 1.5  # of white: what sharpening and resampling leave of fractions at most
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
 _BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*")
 _WEBP = slice(8, 12)
@@ -39,7 +41,7 @@ def read_image(path: str | Path, any_ink: bool = False, opaque: bool = False) ->
     """Read a picture as RGB.
 
     It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
-    the first frame is read; 16-bit greys, and fractions that go up to 1, are scaled to 8 bits.
+    the first frame is read; greys of more bits, up to 1, 255 or 65535 by how bright they are, are scaled to 8 bits.
     path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS, at most MAX_IMAGE_SIDE wide or high. any_ink:
     whether transparent pixels are laid over black paper where what is drawn is nearly white. opaque: whether pixels
     keep their colours, however transparent they are.
@@ -58,7 +60,8 @@ def read_image(path: str | Path, any_ink: bool = False, opaque: bool = False) ->
                 width, height = image.size
                 check_size(path, width, height)
                 image.load()
-                return _rgb(ImageOps.exif_transpose(image), Image, any_ink, opaque)
+                with naming(path):
+                    return _rgb(ImageOps.exif_transpose(image), Image, any_ink, opaque)
     except InputError:
         raise
     except Image.UnidentifiedImageError:
@@ -134,21 +137,35 @@ def gray_png(image: np.ndarray) -> bytes:
 
 def _rgb(image: Any, pillow: Any, any_ink: bool, opaque: bool) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
-        # Pillow clips these to 255 on conversion instead of scaling them.
-        values = np.array(image, np.float32)
-        np.nan_to_num(values, copy=False)
-        if image.mode.startswith("I"):
-            values /= 257
-        elif values.max() <= 1:
-            values *= 255
-        np.clip(values, 0, 255, out=values)
-        grey = values.round(out=values).astype(np.uint8)
-        return np.repeat(grey[:, :, None], 3, axis=2)
+        image = _grey(image, pillow)
     if image.has_transparency_data and not opaque:
         image = image.convert("RGBA")
         paper = "black" if any_ink and _is_bright(image) else "white"
         image = pillow.alpha_composite(pillow.new("RGBA", image.size, paper), image)
     return np.array(image.convert("RGB"))
+
+
+def _grey(image: Any, pillow: Any) -> Any:
+    """A grey picture of more than 8 bits in 8, with its transparency: Pillow clips it to 255 instead of scaling it.
+
+    Raises InputError where nothing says what is white in it.
+    """
+    values = np.array(image, np.float32)
+    np.nan_to_num(values, copy=False)
+    white = _WHITES[-1] if image.mode.startswith("I;16") else _white(float(values.max()), image.mode)
+    is_clear = values == image.info.get("transparency", -1)
+    values *= _WHITES[1] / white
+    np.clip(values, 0, 255, out=values)
+    grey = values.round(out=values).astype(np.uint8)
+    return pillow.fromarray(np.dstack([grey, np.where(is_clear, 0, 255).astype(np.uint8)]))
+
+
+def _white(most: float, mode: str) -> float:
+    """The level of white, of integers (I) or fractions (F) that go up to ``most``; fractions may go a little over."""
+    for white in _WHITES[mode == "I" :]:
+        if most <= (white if mode == "I" else _OVER * white):
+            return white
+    raise InputError(f"expected greys up to {_WHITES[0]:g}, {_WHITES[1]:g} or {_WHITES[2]:g}, found {most:g}")
 
 
 def _is_bright(image: Any) -> bool:

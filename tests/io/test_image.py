@@ -72,11 +72,31 @@ def test_greys_of_16_bits_are_scaled_and_rounded(tmp_path):
     assert read_image(tmp_path / "a.png")[0, :, 0].tolist() == [0, 0, 1, 200, 201, 255]
 
 
-@pytest.mark.parametrize("most", [1, 255])
-def test_fractions_are_levels_of_grey_where_they_go_up_to_1(tmp_path, most):
-    values = np.array([[0, 0.2, 0.6, 1]], np.float32) * most
+@pytest.mark.parametrize("most", [1, 255, 65535])
+def test_fractions_are_levels_of_grey_by_how_far_they_go(tmp_path, most):
+    values = np.array([[-0.01, 0, 0.2, 0.6, 1, 1.02]], np.float32) * most
     Image.fromarray(values).save(tmp_path / "a.tif")
+    assert read_image(tmp_path / "a.tif")[0, :, 0].tolist() == [0, 0, 51, 153, 255, 255]
+
+
+@pytest.mark.parametrize("most", [255, 65535])
+def test_integers_of_32_bits_are_levels_of_grey_by_how_far_they_go(tmp_path, most):
+    values = np.array([[0, 0.2, 0.6, 1]]) * most
+    Image.fromarray(values.astype(np.int32)).save(tmp_path / "a.tif")
     assert read_image(tmp_path / "a.tif")[0, :, 0].tolist() == [0, 51, 153, 255]
+
+
+@pytest.mark.parametrize(("dtype", "most"), [(np.int32, 65536), (np.float32, 300_000)])
+def test_greys_without_a_white_are_refused(tmp_path, dtype, most):
+    Image.fromarray(np.array([[0, most]], dtype)).save(tmp_path / "a.tif")
+    with pytest.raises(InputError, match=f"a.tif: expected greys up to 1, 255 or 65535, found {most:g}"):
+        read_image(tmp_path / "a.tif")
+
+
+def test_a_transparent_grey_of_16_bits_is_white(tmp_path):
+    values = np.array([[0, 257 * 65, 257 * 66]], np.uint16)
+    Image.fromarray(values).save(tmp_path / "a.png", transparency=257 * 65)
+    assert read_image(tmp_path / "a.png")[0, :, 0].tolist() == [0, 255, 66]
 
 
 def png_claiming(width, height):
