@@ -134,6 +134,8 @@ def _cues(rows: list[Row], end: float | None) -> Cues:
         with naming(f"cue {k}"):
             if start < now - _ALIKE:
                 raise InputError(f"expected one after the other, found it at {start:g} s, before {now:g} s")
+            if until is not None and until < start:
+                raise InputError(f"expected an end after its start at {start:g} s, found {until:g} s")
             if start > now + _ALIKE:
                 add(REST, now)
                 now = start

@@ -62,6 +62,7 @@ def test_where_no_cue_is_the_mouth_rests(tmp_path):
         ({"mouthCues": [{"start": 0}]}, "cue 0: expected start, end and value"),
         ({"mouthCues": [{"start": "x", "end": 1, "value": "A"}]}, "cue 0: expected seconds, found x"),
         ({"mouthCues": [{"start": 0, "end": 1, "value": "Q"}]}, "cue 0: expected one of Rhubarb's letters"),
+        ({"mouthCues": [{"start": 1, "end": 0.5, "value": "A"}]}, "cue 0: expected an end after its start at 1 s"),
         ({"mouthCues": [*JSON["mouthCues"], JSON["mouthCues"][0]]}, "cue 3: expected one after the other"),
         ("0.00\tX\n0.20 A\n", "line 2: expected seconds and a name"),
         ("0.00\tX\n1e99\tA\n", "line 2: expected seconds"),
