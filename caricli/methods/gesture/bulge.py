@@ -34,7 +34,8 @@ def bulge(
 
     face: Face. template: Template of its topology. selection: Selection with a region, or handles. level: 1 to 3
     raises, -1 to -3 presses in. symmetric: the same on the other side.
-    Returns Changed. Raises InputError for another level, and where nothing is selected, or no skin.
+    Returns Changed. Raises InputError for another level, where nothing is selected, or no skin, and where all handles
+    are outside of the region.
     """
     if not 1 <= abs(level) <= LEVELS:
         raise InputError(f"expected a level from 1 to {LEVELS}, or from -{LEVELS} to -1, found {level}")
@@ -48,8 +49,11 @@ def bulge(
         raise InputError("expected skin to bulge, found only what is hidden behind it")
     if symmetric:
         selection = selection.with_other(selection.mirrored(template))
+    handles = np.intersect1d(selection.handles, selection.region)
+    if len(selection.handles) and not len(handles):
+        raise InputError("expected handles within the region, found all of them outside")
     patch = _Patch(face, selection, radius)
-    heights = patch.heights(np.intersect1d(selection.handles, selection.region), settings.fades[level < 0] * radius)
+    heights = patch.heights(handles, settings.fades[level < 0] * radius)
     size = radius * (settings.raised[level - 1] if level > 0 else -settings.pressed[-level - 1])
     ways = size * heights[:, None] * patch.directions(settings.smooth * radius)
     vertices, share = sound_move(face.vertices, face.vertices + ways, patch.region, template, settings)

@@ -100,3 +100,6 @@ def test_what_cannot_bulge_is_refused(face, head_template, nose):
     hidden = Selection(head_template.annotation.regions["inner_mouth"][:1])
     with pytest.raises(InputError, match="expected skin to bulge, found only what is hidden"):
         bulge(face, head_template, hidden, 1, settings=GestureSettings(reach=1e-6))
+    chin = head_template.annotation.landmarks[[8]]
+    with pytest.raises(InputError, match="expected handles within the region, found all of them outside"):
+        bulge(face, head_template, replace(nose, handles=chin), 1)
