@@ -61,10 +61,10 @@ def find_picture(image: Path | None, path: Path, name: str | None) -> Path | Non
         raise InputError(
             f"{shown(image)}: expected a folder of pictures, because results of many inputs were asked for"
         )
-    pictures = [image / f"{name}{suffix}" for suffix in PICTURES if (image / f"{name}{suffix}").is_file()]
+    pictures = [picture for picture in pictures_in(image) if picture.stem == name]
     if not pictures:
         raise InputError(f"{shown(image)}: expected a picture named {shown(name)} with one of {', '.join(PICTURES)}")
-    return pictures[0]
+    return min(pictures, key=lambda picture: PICTURES.index(picture.suffix.lower()))
 
 
 def load_marked_picture(

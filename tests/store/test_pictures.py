@@ -37,6 +37,14 @@ def test_one_picture_or_a_folder_of_them(photo, tmp_path):
         find_picture(photo.parent, tmp_path / "other.json", "other")
 
 
+def test_suffixes_may_be_in_capitals_and_the_first_kind_counts(photo, tmp_path):
+    taken = photo.with_name("marks.JPG")
+    photo.rename(taken)
+    assert find_picture(photo.parent, tmp_path / "marks.json", "marks") == taken
+    (photo.parent / "marks.Png").write_bytes(taken.read_bytes())
+    assert find_picture(photo.parent, tmp_path / "marks.json", "marks").name == "marks.Png"
+
+
 def test_landmarks_learn_the_size_of_their_picture(points, photo, tmp_path):
     path = tmp_path / "marks.npy"
     np.save(path, points)
