@@ -24,9 +24,9 @@ def touching_pairs(vertices: np.ndarray, faces: np.ndarray, reach: float) -> np.
     normals = igl.per_vertex_normals(vertices, faces)
     pairs = _near_pairs(vertices, reach)
     offsets = vertices[pairs[:, 0]] - vertices[pairs[:, 1]]
-    facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(1) < FACING
+    one, other = normals[pairs[:, 0]], normals[pairs[:, 1]]
     # Back to back, as the two sides of a thin wall, is no contact.
-    facing &= (offsets * normals[pairs[:, 1]]).sum(1) > 0
+    facing = ((one * other).sum(1) < FACING) & ((offsets * (other - one)).sum(1) > 0)
     pairs = pairs[facing]
     offsets = offsets[facing]
     far = ~_connected(pairs, faces, len(vertices))
@@ -59,13 +59,10 @@ def closes(before: np.ndarray, after: np.ndarray, reach: float) -> np.ndarray:
 
 def _nearest(pairs: np.ndarray, distances: np.ndarray) -> np.ndarray:
     """Of pairs (P, 2), those that are the nearest of either of their vertices."""
-    order = np.argsort(distances, kind="stable")
-    pairs = pairs[order]
-    kept = np.zeros(len(pairs), dtype=bool)
-    for column in (0, 1):
-        kept[np.unique(pairs[:, column], return_index=True)[1]] = True
-    pairs = np.sort(pairs[kept], axis=1)
-    return np.unique(pairs, axis=0)
+    nearest = np.full(pairs.max(initial=-1) + 1, np.inf)
+    np.minimum.at(nearest, pairs, distances[:, None])
+    kept = (distances[:, None] <= nearest[pairs]).any(1)
+    return np.unique(np.sort(pairs[kept], axis=1), axis=0)
 
 
 def _connected(pairs: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:

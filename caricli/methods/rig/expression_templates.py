@@ -43,7 +43,7 @@ class ContactSettings:
 
     reach: float = 0.009
     still: float = 1e-6
-    spacing: float = 0.5
+    spacing: float = 0.3
     most: int = 420
     coarser: float = 1.2
     faint: float = 0.1
@@ -249,12 +249,26 @@ def check_templates(names: Sequence[str], mesh: Mesh, shapes: np.ndarray) -> Exp
 
 
 def thin_pairs(pairs: np.ndarray, vertices: np.ndarray, spacing: float) -> np.ndarray:
-    """One pair for every two cells of space that pairs join, so that finer meshes do not have more of them.
+    """Pairs of which no two start and end as near to each other, so that finer meshes do not have more of them.
 
-    pairs: (P, 2). vertices: (V, 3). spacing: side of a cell, in their unit.
+    Those nearest to touching are kept, whatever the order of vertices and wherever the mesh stands.
+    pairs: (P, 2). vertices: (V, 3). spacing: in their unit.
     """
-    cells = np.floor(vertices[pairs] / spacing).astype(np.int64).reshape(len(pairs), 6)
-    return pairs[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
+    # Imported here: it takes a while, and what comes of it is mostly kept.
+    from scipy.spatial import KDTree
+
+    ends = vertices[pairs]
+    middles = ends.mean(1)
+    tree = KDTree(middles)
+    kept = np.zeros(len(pairs), dtype=bool)
+    left = np.ones(len(pairs), dtype=bool)
+    for k in np.argsort(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), kind="stable"):
+        if left[k]:
+            near = np.array(tree.query_ball_point(middles[k], spacing))
+            ways = [np.linalg.norm(ends[near] - own, axis=2).max(1) for own in (ends[k], ends[k, ::-1])]
+            left[near[np.minimum(*ways) < spacing]] = False
+            kept[k] = True
+    return pairs[kept]
 
 
 def contact_normals(mesh: Mesh, pairs: np.ndarray, reach: float, usual: np.ndarray | None = None) -> np.ndarray:

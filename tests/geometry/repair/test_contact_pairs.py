@@ -63,6 +63,19 @@ def test_of_a_finer_side_every_vertex_has_its_partner_too():
     assert set(map(tuple, touching_pairs(vertices, faces, 0.08).tolist())) == nearest
 
 
+def test_vertices_may_have_any_order():
+    generator = np.random.default_rng(2)
+    apart, faces = two_plates(0.5)
+    near = two_plates(0.05)[0] + generator.normal(0, 0.02, apart.shape)
+    for find in (lambda *mesh: touching_pairs(mesh[1], mesh[2], 0.15), lambda *mesh: closing_pairs(*mesh, 0.15)):
+        pairs = find(apart, near, faces)
+        for _ in range(3):
+            order = generator.permutation(len(near))
+            shuffled = find(apart[order], near[order], np.argsort(order)[faces])
+            back = np.sort(order[shuffled], axis=1)
+            np.testing.assert_array_equal(np.unique(back, axis=0), pairs)
+
+
 def test_neighbours_on_the_surface_do_not_touch():
     vertices, faces, row = fold(np.radians(20))
     found = touching_pairs(vertices, faces, 0.13)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.methods.rig.expression_templates import (
     ExpressionTemplates,
     check_templates,
@@ -174,11 +175,25 @@ def test_what_hardly_moves_is_trusted_little(plates):
     assert (motion.near[:36] == 0).all()
 
 
-def test_thinning_leaves_one_pair_for_two_cells():
-    vertices = np.array([[0.1, 0, 0], [0.4, 0, 0], [0.1, 0, 2], [0.2, 0, 2], [0.1, 0, 3], [1.3, 0, 0]])
-    pairs = np.array([[0, 2], [1, 3], [0, 4], [5, 2], [1, 2]])
-    np.testing.assert_array_equal(thin_pairs(pairs, vertices, 1.0), [[0, 2], [0, 4], [5, 2]])
+def test_thinning_leaves_no_two_pairs_that_start_and_end_near_each_other():
+    vertices = np.array([[0.1, 0, 0], [0.4, 0, 0], [0.1, 0, 2], [0.2, 0, 2.1], [0.1, 0, 3], [1.3, 0, 0]])
+    pairs = np.array([[3, 1], [0, 2], [0, 4], [5, 2], [2, 1]])
+    np.testing.assert_array_equal(thin_pairs(pairs, vertices, 1.1), [[0, 2], [5, 2]])
+    np.testing.assert_array_equal(thin_pairs(pairs, vertices, 0.9), [[0, 2], [0, 4], [5, 2]])
     np.testing.assert_array_equal(thin_pairs(pairs, vertices, 1e-3), pairs)
+
+
+def test_thinning_hangs_neither_on_the_place_nor_on_the_order():
+    generator = np.random.default_rng(0)
+    vertices = generator.random((200, 3))
+    pairs = np.sort(np.argsort(generator.random((500, 200)), axis=1)[:, :2], axis=1)
+    kept = np.unique(thin_pairs(pairs, vertices, 0.3), axis=0)
+    assert len(kept) < 400
+    for _ in range(3):
+        turn, place = rotation_matrices(generator.normal(size=3)), generator.normal(size=3)
+        order = generator.permutation(len(pairs))
+        again = np.sort(thin_pairs(pairs[order][:, ::-1], vertices @ turn.T + place, 0.3), axis=1)
+        np.testing.assert_array_equal(np.unique(again, axis=0), kept)
 
 
 def test_normals_of_contacts(plates):
