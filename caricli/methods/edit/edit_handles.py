@@ -160,7 +160,9 @@ class _Solver:
         distance, _ = KDTree(template.vertices[self.handles]).query(template.vertices)
         self.far = distance > reach
         stride = max(1, len(template.vertices) // settings.spread)
-        others = np.union1d(template.annotation.landmarks, np.arange(0, len(template.vertices), stride))
+        # Evenly from back to front, because nothing may hang on how vertices are numbered.
+        order = np.lexsort(template.vertices.T)
+        others = np.union1d(template.annotation.landmarks, order[stride // 2 :: stride])
         weights = 1 - np.exp(-((distance[others] / reach) ** 2))
         kept = weights > settings.least
         self.points = np.concatenate([self.handles, others[kept]])

@@ -7,7 +7,10 @@ from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
 from caricli.methods.edit.handle_figures import handle_figures
 from caricli.methods.edit.handle_points import Handles, vertex_of
 from caricli.methods.faces.encode_face import encode_face
+from caricli.models.pca.model import PcaModel
 from caricli.structures import Camera, Face
+from caricli.template.annotation import Annotation
+from caricli.template.template import Template
 
 
 def encoded(vertices, model, **more):
@@ -103,6 +106,21 @@ def test_a_face_stays_where_it_is(face, kernel):
     elsewhere = encode_face(face.with_vertices(face.vertices + 0.3), kernel)
     here, there = (pull(each, kernel, [0, 0, 0.01]).face.vertices for each in (face, elsewhere))
     np.testing.assert_allclose(there - 0.3, here, atol=1e-6)
+
+
+def test_vertices_may_have_any_order(strangers, pca):
+    order = np.random.default_rng(0).permutation(len(pca.mean))
+    moved = []
+    for own in (np.arange(len(order)), order):
+        numbers = np.argsort(own)
+        note = Annotation(numbers[pca.template.annotation.landmarks], (), {}, {}, None, {}, {})
+        template = Template(pca.template.vertices[own], numbers[pca.template.faces], annotation=note)
+        model = PcaModel(template, pca.mean[own], pca.basis[:, own])
+        tip = numbers[[vertex_of("nose_tip", pca.template)]]
+        handles = Handles(tip, np.array([[0, 0, 0.02]]), ("nose_tip",))
+        edit = edit_handles(encoded(strangers[1][own], model), model, handles)
+        moved.append(edit.face.vertices[numbers])
+    np.testing.assert_allclose(moved[1], moved[0], atol=1e-6)
 
 
 def test_camera_and_landmarks_travel_with_the_face(strangers, kernel):
