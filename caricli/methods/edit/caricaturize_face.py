@@ -73,6 +73,8 @@ def caricaturize_face(
     """
     if mode not in MODES:
         raise InputError(f"expected a mode of {', '.join(MODES)}, found {mode!r}")
+    if not 0 <= strength < np.inf:
+        raise InputError(f"expected a strength of 0 or more, found {strength:g}")
     if mode == "direction":
         if directions is None:
             raise InputError("expected directions of the model, those of load_directions, for 'direction', found none")

@@ -105,6 +105,12 @@ def test_a_mode_of_no_such_name_is_refused(pca, strangers):
         caricaturize_face(encoded(strangers[0], pca), pca, 1, "owm")
 
 
+@pytest.mark.parametrize("strength", [-1.0, np.nan, np.inf])
+def test_what_is_no_strength_is_refused(pca, strangers, strength):
+    with pytest.raises(InputError, match=f"expected a strength of 0 or more, found {strength:g}"):
+        caricaturize_face(encoded(strangers[0], pca), pca, strength, "own")
+
+
 def test_figures_before_and_after(pca, strangers):
     before = encoded(strangers[0], pca)
     after = caricaturize_face(before, pca, 1.0, "own")
