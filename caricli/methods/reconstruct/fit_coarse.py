@@ -136,7 +136,6 @@ def _filled(points: np.ndarray, model: MorphableModel) -> np.ndarray:
         return points
     if known_rows.sum() < FEWEST:
         raise InputError(f"expected at least {FEWEST} known landmarks, found {known_rows.sum()}")
-    front = model.mean[model.template.annotation.landmarks[:COUNT]] * [1, -1, 0]
-    target = np.column_stack([points, np.zeros(len(points))])
-    scale, rotation, translation = similarity(front[known_rows], target[known_rows])
-    return np.where(known_rows[:, None], points, (scale * front @ rotation.T + translation)[:, :2])
+    front = model.mean[model.template.annotation.landmarks[:COUNT], :2] * [1, -1]
+    scale, rotation, translation = similarity(front[known_rows], points[known_rows])
+    return np.where(known_rows[:, None], points, scale * front @ rotation.T + translation)

@@ -36,6 +36,14 @@ def test_nothing_near_the_fit_to_noisy_points_is_better(scaling):
         assert error(SOURCE, target, scaled, turned, translation + generator.normal(0, 1e-2, 3)) > best
 
 
+def test_points_of_a_plane_stay_in_it():
+    rotation = np.array([[0.6, -0.8], [0.8, 0.6]])
+    scale, turn, shift = similarity(SOURCE[:, :2], 2 * SOURCE[:, :2] @ rotation.T + [3, 4])
+    np.testing.assert_allclose(turn, rotation, atol=1e-12)
+    np.testing.assert_allclose([scale, *shift], [2, 3, 4], atol=1e-12)
+    assert np.linalg.det(similarity(SOURCE[:, :2], SOURCE[:, :2] * [-1, 1])[1]) == pytest.approx(1)
+
+
 def test_reflected_points_get_a_proper_rotation():
     target = SOURCE * [-1, 1, 1]
     scale, rotation, translation = similarity(SOURCE, target)

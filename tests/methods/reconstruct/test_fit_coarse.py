@@ -5,7 +5,7 @@ import torch
 from caricli.errors import InputError
 from caricli.methods.morphable.coefficients import CoefficientLayout, turned_light
 from caricli.methods.morphable.renderer import MorphableRenderer
-from caricli.methods.reconstruct.fit_coarse import fit_coarse, see_coarse
+from caricli.methods.reconstruct.fit_coarse import _filled, fit_coarse, see_coarse
 from caricli.methods.reconstruct.fit_morphable import fit_morphable
 from caricli.methods.train.coarse.train_coarse import new_coarse_network
 from caricli.models.coarse.config import CoarseConfig
@@ -99,3 +99,14 @@ def test_landmarks_that_are_not_known_leave_the_frame_where_it_is(model, truth):
         fit_coarse(np.full((68, 2), np.nan), model, sure(model, value, points), IMAGE)
     with pytest.raises(InputError, match="found landmarks without one"):
         fit_coarse(points, model, sure(model, value, points), None)
+
+
+def test_what_is_not_known_is_not_mirrored(model):
+    """Brows that frown, alone, are more like the mean's upside down."""
+    front = model.mean[model.template.annotation.landmarks[:68], :2] * [1, -1]
+    points = np.full((68, 2), np.nan)
+    points[17:27] = front[17:27]
+    points[17:27, 1] = 2 * front[17:27, 1].mean() - front[17:27, 1]
+    filled = _filled(points, model)
+    np.testing.assert_array_equal(filled[17:27], points[17:27])
+    assert filled[8, 1] > filled[27, 1] + 0.1 and filled[36, 0] < filled[45, 0] - 0.05
