@@ -56,3 +56,11 @@ def test_the_size_hints_at_the_unit(small, scale, words):
     hint = check_mesh(small.with_vertices(small.vertices * scale)).hint
     assert hint == size_hint(small.height * scale)
     assert hint is None if words is None else words in hint
+
+
+@pytest.mark.parametrize(
+    ("height", "unit"),
+    [(9.0, "inches"), (12, "inches"), (22, "centimetres"), (60, "centimetres"), (150, "millimetres")],
+)
+def test_of_several_units_the_one_of_a_usual_head_is_named(height, unit):
+    assert f"as a head in {unit}" in size_hint(height)
