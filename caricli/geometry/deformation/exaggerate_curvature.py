@@ -14,7 +14,7 @@ SMOOTHING = 2e-4
 """Of the surface's area: time of the diffusion that smooths the curvature, over about 8 mm of a head."""
 
 MAX_LOG_WEIGHT = 1.2
-"""Natural logarithm: no gradient is scaled by more than 3.3 or less than its inverse, or needles would grow."""
+"""Natural logarithm: no gradient is scaled by more than 11 times as much as another, or needles would grow."""
 
 _LEAST_AREA = 1e-12  # of the mean; rounding gives a triangle of three points in line a little area
 _LEAST_DENSITY = 1e-3  # curvature times area, of which a sphere has 4 pi: keeps the logarithm of flat places sane

@@ -9,8 +9,9 @@ def quad_grid(polygons: np.ndarray) -> np.ndarray:
     """Vertex ids of a patch of quads that is a grid without holes, as rows and columns.
 
     polygons: (P, 4) quads, all turned the same way.
-    Returns (R, C) ids, R <= C, P = (R - 1)(C - 1); the first row starts at the corner of the lowest id, and rows and
-    columns turn as the quads do. Raises InputError for a patch that is no such grid.
+    Returns (R, C) ids, R <= C, P = (R - 1)(C - 1); the first row starts at the corner of the lowest id, or ends there
+    where a shorter side comes after it, and rows and columns turn as the quads do. Raises InputError for a patch that
+    is no such grid.
     """
     quads = np.asarray(polygons)
     edges = np.stack([quads, np.roll(quads, -1, axis=1)], -1).reshape(-1, 2)

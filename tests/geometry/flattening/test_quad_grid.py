@@ -22,6 +22,7 @@ def test_rows_and_columns_come_back_whatever_the_order(size):
     assert again == {frozenset(quad.tolist()) for quad in quads}
     turned = {tuple(np.roll(quad, -int(quad.argmin())).tolist()) for quad in grid.ravel()[patch(*grid.shape)]}
     assert turned == {tuple(np.roll(quad, -int(quad.argmin())).tolist()) for quad in quads}
+    assert min(grid[[0, 0, -1, -1], [0, -1, 0, -1]]) in grid[0, [0, -1]]
 
 
 @pytest.mark.parametrize(
