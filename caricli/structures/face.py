@@ -24,7 +24,7 @@ class Face:
 
     mesh: Mesh, in the face's own frame, never posed.
     camera: Camera of the picture that the face was fitted to.
-    landmarks: (68, 2) or (81, 2) pixels, where the fitted landmarks are in the picture.
+    landmarks: (68, 2) or (81, 2) pixels, where the fit left its landmarks in the picture; edits leave them there.
     latent: (D,), whatever its model means.
     residual: (V, 9) deformation-gradient features beyond those of the latent.
     model_id: SHA-256 of the model that the latent belongs to.
