@@ -199,7 +199,12 @@ def test_landmarks_that_come_after_another_picture_was_opened_are_left(monkeypat
     one, other = (np.zeros((4, 5, 3), np.uint8) for _ in range(2))
     desk = Desk(anything, Work(anything, picture=one))
     marked: list[Any] = []
-    monkeypatch.setattr("caricli.methods.session.history.operate", lambda work, *_: marked.append(work) or work)
+
+    def operate(work, *_):
+        marked.append(work)
+        return work
+
+    monkeypatch.setattr("caricli.methods.session.history.operate", operate)
 
     async def run(function, *values):
         if function is not seen_marks:

@@ -67,11 +67,15 @@ def test_vertices_may_have_any_order():
     generator = np.random.default_rng(2)
     apart, faces = two_plates(0.5)
     near = two_plates(0.05)[0] + generator.normal(0, 0.02, apart.shape)
-    for find in (lambda *mesh: touching_pairs(mesh[1], mesh[2], 0.15), lambda *mesh: closing_pairs(*mesh, 0.15)):
-        pairs = find(apart, near, faces)
+
+    def touching(_, after, faces, reach):
+        return touching_pairs(after, faces, reach)
+
+    for find in (touching, closing_pairs):
+        pairs = find(apart, near, faces, 0.15)
         for _ in range(3):
             order = generator.permutation(len(near))
-            shuffled = find(apart[order], near[order], np.argsort(order)[faces])
+            shuffled = find(apart[order], near[order], np.argsort(order)[faces], 0.15)
             back = np.sort(order[shuffled], axis=1)
             np.testing.assert_array_equal(np.unique(back, axis=0), pairs)
 

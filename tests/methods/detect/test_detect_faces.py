@@ -1,4 +1,5 @@
 from types import SimpleNamespace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -89,7 +90,7 @@ def test_regions_lie_where_they_were_seen():
 
 def test_regions_lie_as_far_aside_as_the_detector_is_known_to_see_them():
     matrix = np.array([[0.05, 0, 0], [0, 0.05, 0]])
-    shifted = SimpleNamespace(calibration=Calibration(shift=(0.4, -0.2)))
+    shifted: Any = SimpleNamespace(calibration=Calibration(shift=(0.4, -0.2)))
     middles = []
     for window in (WindowRegions(seen_eyes(), matrix), WindowRegions.of(seen_eyes(), matrix, shifted)):
         y, x = np.nonzero(parse_picture((1280, 1280), window, []) == Region.EYES)

@@ -41,9 +41,11 @@ def _likely(chances: np.ndarray, regions: np.ndarray, back: np.ndarray, shift: n
 
     back: (2, 3) map from the window's pixels to the picture's. shift: (2,) pixels of the window.
     """
-    rows, columns = np.indices(chances.shape[:2])
+    height, width = chances.shape[:2]
+    rows, columns = np.mgrid[:height, :width]
     places = HALF * np.stack([columns, rows], -1) + shift
-    x, y = np.moveaxis(np.rint(places @ back[:, :2].T + back[:, 2]).astype(int), -1, 0)
+    there = np.rint(places @ back[:, :2].T + back[:, 2]).astype(int)
+    x, y = there[..., 0], there[..., 1]
     height, width = regions.shape
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     return float(chances[rows[inside], columns[inside], regions[y[inside], x[inside]]].mean())

@@ -1,4 +1,5 @@
 from types import SimpleNamespace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -39,6 +40,6 @@ def test_it_is_where_regions_are_shown(head_template, shift):
         chances[..., Region.SKIN] = 1 - share
         return chances
 
-    detector = SimpleNamespace(size=SIZE, parse=parse)
-    faces = SimpleNamespace(faces=[(number, 0) for number in range(12)], marked=pictures.__getitem__)
-    np.testing.assert_allclose(fit_region_shift(detector, faces, 12), shift, atol=0.101)
+    detector: Any = SimpleNamespace(size=SIZE, parse=parse)
+    faces: Any = SimpleNamespace(faces=[(number, 0) for number in range(12)], marked=pictures.__getitem__)
+    np.testing.assert_allclose(np.array(fit_region_shift(detector, faces, 12)), shift, atol=0.101)
