@@ -100,14 +100,10 @@ def load_start(path: Path | None, tools: SessionTools) -> Work:
         return operate(Work(encode_face(mean, model), sketch), Operation("follow"), tools)
 
 
-def check_alone(path: Path) -> None:
-    """Raises InputError for an OBJ that came without its materials: beside them its session would give another face."""
+def lacks_materials(path: Path) -> bool:
+    """Whether a file is an OBJ whose materials are not beside it."""
     library = material_library(path)
-    if library is not None and not library.exists():
-        name = shown(path.name)
-        raise InputError(
-            f"{name}: expected its materials beside it, found none: caricli studio {name} opens it in them"
-        )
+    return library is not None and not library.exists()
 
 
 def start_of(path: Path | None) -> Start | None:

@@ -16,7 +16,7 @@ from caricli.io.files import read_start
 from caricli.io.landmarks import landmarks_to_json, read_landmarks
 from caricli.io.session import operation_to_json, read_session
 from caricli.methods.session.gesture_operations import REDO, UNDO
-from caricli.store.session_tools import check_alone
+from caricli.store.session_tools import lacks_materials
 from caricli.structures import Operation
 from caricli.studio.components import Head, Keep
 from caricli.studio.desk import Desk
@@ -64,6 +64,7 @@ class Page:
         self._layout: object = None
         self._wanted: Operation | None = None
         self._busy = False
+        self._bare = ""  # name of what was opened without its materials
         self.turn = asyncio.Lock()  # what is done is done in the order in which a hand did it
         self.heard = asyncio.Event()  # whether the browser has told what it kept
 
@@ -206,6 +207,7 @@ class Page:
                     self.say(str(error))
         finally:
             self._busy = False
+        self._bare = ""  # name of what was opened without its materials
 
     async def undo(self) -> None:
         """One operation back."""
@@ -292,6 +294,7 @@ class Page:
         there. Raises CaricliError."""
         # Said here: events of a page that has just been loaded may come in another order than they went.
         self.say(f"Opening {path.name} …", "note")
+        self._bare = ""
         if path.suffix.lower() == ".json" and _is_session(path):
             session = read_session(path)
             if session.start not in (None, self.desk.start):
@@ -302,17 +305,22 @@ class Page:
             given = {"landmarks": landmarks_to_json(read_landmarks(path))}
             await self.studio.run(self.desk.do, Operation("marks", given))
         else:
-            await self.studio.run(check_alone, path)
             await self.studio.run(self.desk.open, path)
+            self._bare = path.name if await self.studio.run(lacks_materials, path) else ""
 
     def _was_opened(self, event: Any) -> None:
         refused = event.args.get("refused")
         if refused:
             self.say(refused)
         else:
-            pictured = self.desk.work.picture is not None and not self.desk.history.done
-            self.say("Opened: draw over it, or place its landmarks." if pictured else "Opened.", "note")
+            self.say(self._opened_words(), "note")
             self.begun()
+
+    def _opened_words(self) -> str:
+        if self._bare:
+            return f"Opened without its materials: caricli studio {self._bare} opens it in them."
+        pictured = self.desk.work.picture is not None and not self.desk.history.done
+        return "Opened: draw over it, or place its landmarks." if pictured else "Opened."
 
     def _returned(self, event: Any) -> None:
         """Show what this tab had before the server ended or the page was loaded again."""

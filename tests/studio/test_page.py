@@ -13,6 +13,7 @@ from PIL import Image
 from caricli.cli import cli
 from caricli.errors import InputError
 from caricli.io.gltf.read_gltf import read_gltf
+from caricli.io.meshes.mesh import write_mesh
 from caricli.io.session import read_session
 from caricli.structures import Operation, Pictures
 from caricli.studio.page import Page
@@ -143,6 +144,14 @@ def test_a_point_is_dragged_on_the_surface(tab):
     assert moved[np.abs(moved).sum(1).argmax(), 1] < -2e-3
 
 
+def test_an_obj_that_came_without_its_materials_is_opened_and_said(tab, tmp_path, head_template):
+    write_mesh(tmp_path / "painted.obj", head_template)
+    own = (tmp_path / "painted.obj").read_text()
+    (tmp_path / "painted.obj").write_text("mtllib painted.mtl\n" + own)
+    tab.open(tmp_path / "painted.obj")
+    tab.told("Opened without its materials: caricli studio painted.obj opens it in them.")
+
+
 def test_what_is_no_file_of_ours_is_refused_in_words(tab, tmp_path):
     bad = tmp_path / "notes.npz"
     bad.write_bytes(b"PK\x03\x04 and nothing else")
@@ -150,11 +159,6 @@ def test_what_is_no_file_of_ours_is_refused_in_words(tab, tmp_path):
     tab.open(bad)
     tab.told("notes.npz: expected")
     assert tab.shown == before and str(tmp_path) not in tab.page.locator(".caricli-told").inner_text()
-    painted = tmp_path / "painted.obj"
-    painted.write_text("mtllib painted.mtl\nv 0 0 0\n")
-    tab.open(painted)
-    tab.told("painted.obj: expected its materials beside it, found none: caricli studio painted.obj opens it in them")
-    assert tab.shown == before
     far = tmp_path / "far.json"
     far.write_text(json.dumps({"schema": "caricli.session/1", "start": None, "operations": [{"name": "rm"}]}))
     tab.open(far)
