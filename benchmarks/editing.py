@@ -98,7 +98,7 @@ def main():
             f"{r['edit']:14} {100 * r['reached']:8.1f} {100 * r['outside']:8.1f} {r['new_flips']:9} "
             f"{r['median_seconds']:8.2f}  {r['new_crossing_pairs']}"
         )
-    print(json.dumps(rows))
+    print(json.dumps({"editing": rows}))
 
 
 if __name__ == "__main__":
