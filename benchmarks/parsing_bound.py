@@ -21,6 +21,7 @@ from caricli.methods.detect.parse_picture import WindowRegions, mean_regions, pa
 from caricli.methods.detect.settings import DetectSettings
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture
 from caricli.methods.train.detector.split_pictures import marked_picture
+from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.config import HALF
 from caricli.models.detector.model import Detector, FaceCells
 from caricli.render.pixels.cut_window import cut_window
@@ -36,6 +37,7 @@ class Blind(Detector):
 
     def __init__(self):
         self.size = SIZE
+        self.calibration = Calibration()
 
     def search(self, window):
         """No face, and no region."""
