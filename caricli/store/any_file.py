@@ -1,5 +1,6 @@
 """Any file of ours, or anybody's mesh, by what is in it."""
 
+import os
 import re
 from collections.abc import Callable
 from contextlib import suppress
@@ -126,7 +127,7 @@ def files_beside(path: Path) -> list[str]:
     if path.suffix.lower() == ".obj":
         # What is told of a file does not end where its materials cannot be read.
         with suppress(InputError):
-            pictures = [picture for picture in material_pictures(path).values() if picture.is_file()]
+            pictures = [picture for picture in material_pictures(path).values() if os.path.isfile(picture)]
             names |= {picture.relative_to(path.parent).as_posix() for picture in pictures}
     return sorted(names)
 

@@ -1,5 +1,6 @@
 """What sessions begin with and work with, by path."""
 
+import os
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -103,7 +104,7 @@ def load_start(path: Path | None, tools: SessionTools) -> Work:
 def lacks_materials(path: Path) -> bool:
     """Whether a file is an OBJ whose materials are not beside it."""
     library = material_library(path)
-    return library is not None and not library.exists()
+    return library is not None and not os.path.exists(library)
 
 
 def start_of(path: Path | None) -> Start | None:

@@ -161,3 +161,11 @@ def test_weights_of_no_schema_are_refused(tmp_path):
         write_checkpoint(path, {"a": np.zeros(1, np.float32)}, {"schema": schema})
         with pytest.raises(InputError, match="expected a model of schema"):
             load_any(path)
+
+
+def test_a_picture_whose_name_is_too_long_for_any_file_is_not_beside(small, tmp_path):
+    path = tmp_path / "ball.obj"
+    write_mesh(path, small)
+    path.write_text("mtllib ball.mtl\n" + path.read_text())
+    (tmp_path / "ball.mtl").write_text(f"newmtl skin\nmap_Kd {300 * 'a'}.png\n")
+    assert files_beside(path) == ["ball.mtl"]

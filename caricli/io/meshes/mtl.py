@@ -22,7 +22,8 @@ def material_pictures(path: str | Path) -> dict[str, Path]:
     Raises InputError when a file cannot be read, or a name leads out of the folder.
     """
     library = material_library(path)
-    if library is None or not library.exists():
+    # Not by the path's own method, which fails at names too long for any file.
+    if library is None or not os.path.exists(library):
         return {}
     return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
 

@@ -87,6 +87,10 @@ def test_a_mesh_that_was_copied_alone_has_no_pictures(written):
     assert material_pictures(written(b"mtllib face.mtl\n")) == {}
 
 
+def test_names_too_long_for_any_file_are_of_none(written):
+    assert material_pictures(written(b"mtllib " + 300 * b"a" + b".mtl\n")) == {}
+
+
 def test_names_as_windows_writes_them_are_those_of_files_below(written, tmp_path):
     pictures = material_pictures(written(b"mtllib .\\face.mtl\n", b"map_Kd tex\\skin.png\n"))
     assert pictures == {"": tmp_path / "tex" / "skin.png"}
