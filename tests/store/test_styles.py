@@ -25,6 +25,8 @@ def test_none_that_can_be_read_is_an_error(tmp_path):
         load_style_drawings(tmp_path)
 
 
-def test_a_book_needs_no_drawings():
+def test_a_book_needs_no_drawings(monkeypatch):
+    monkeypatch.setattr("caricli.store.styles.GENERATED", 3)
     book, notes = load_style_book(None, 0)
+    assert len(book.drawings) == 3
     assert notes == [] and book.draw(np.random.default_rng(0)).paint(np.full((32, 32, 3), 99, np.uint8)).shape[2] == 3

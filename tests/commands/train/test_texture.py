@@ -1,5 +1,6 @@
 import json
 import shutil
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.config import read_config
 from caricli.io.image import read_image, write_png
 from caricli.methods.dynamic.styles import StyleBook
+from caricli.methods.evaluate.texture_rivals import train_reader
 from caricli.methods.train.stages import unwatched
 from caricli.models.texture.config import TextureConfig
 from caricli.store.texture_run import TextureFolders, load_texture_ingredients, load_texture_test
@@ -18,6 +20,16 @@ from tests.acted_textures import write_acted_set
 
 SETTINGS = ("epochs=2", "steps=2", "validate_every=1", "validation=6")
 SMALL = ("--config", config_path("texture/tiny.yaml"), *(f"--set={text}" for text in SETTINGS))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def little_learnt():
+    """Few generated drawings, and rivals that have hardly learnt."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("caricli.store.styles.GENERATED", 3)
+        patch.setattr("caricli.store.texture_run.train_reader", partial(train_reader, steps=20))
+        patch.setattr("caricli.methods.evaluate.texture_rivals._PAIRS", 6)
+        yield
 
 
 @pytest.fixture(scope="module")
