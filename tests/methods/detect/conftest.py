@@ -30,8 +30,8 @@ def untrained():
 
 
 @pytest.fixture(scope="session")
-def trained(head_template):
-    """A Detector that has seen simple drawn faces as they are for seconds, and pictures that it was not trained on."""
+def lesson(head_template):
+    """A training on simple drawn faces as they are, for seconds; its record; and pictures that it has not seen."""
     shape = mean_shape(head_template)
     unseen = DrawnPictures(shape, 20, 1)
     settings = ["epochs=1", "steps=300", "validate_every=1", "validation=4", "learning_rate=0.005", "crops=0.6"]
@@ -43,7 +43,14 @@ def trained(head_template):
         patch.setattr("caricli.methods.train.detector.windows.distort_picture", lambda picture, *_: picture)
         varied = partial(WindowSettings, turn=0.2, bent=0.25, cut=0.15)  # there are so few pictures
         patch.setattr("caricli.methods.train.detector.window_batch.WindowSettings", varied)
-        list(training.epochs())
+        (record,) = training.epochs()
+    return training, record, unseen
+
+
+@pytest.fixture(scope="session")
+def trained(lesson):
+    """A Detector of a short training, and pictures that it was not trained on."""
+    training, _, unseen = lesson
     return detector_of(training.average, 64), unseen
 
 

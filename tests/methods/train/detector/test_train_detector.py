@@ -28,6 +28,7 @@ def pictures(head_template):
     return DrawnPictures(shape, 40, 0), DrawnPictures(shape, 20, 1)
 
 
+@pytest.mark.slow
 def test_it_learns_where_landmarks_are(pictures):
     training = begin(pictures)
     records = list(training.epochs())
