@@ -75,7 +75,7 @@ def test_a_spline_slides_what_moves_by_itself(batch, grid, head_template):
 
 def test_what_is_linear_is_learnt_by_what_is_linear(pairs):
     painters = {"linear": linear_painter(pairs[0], 0)}
-    tally = evaluate_texture(painters, train_reader(pairs[0], 0, steps=300), pairs[1], TextureChoice(48))
+    tally = evaluate_texture(painters, train_reader(pairs[0], 0, steps=120), pairs[1], TextureChoice(48))
     figures = tally.figures()
     assert figures["linear"]["mouth"]["percent"] < 60
     for table in (figures[KEPT], figures["linear"]):

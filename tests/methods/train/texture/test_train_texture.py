@@ -157,7 +157,7 @@ def test_nobody_and_textures_that_are_too_small_are_refused(people, head_templat
 
 
 def test_it_learns_what_expressions_do(pairs):
-    training = begin(pairs, "epochs=12", "steps=20", "unpaired=0", "validate_every=4", "judge_every=10")
+    training = begin(pairs, "epochs=6", "steps=10", "unpaired=0", "judge_every=10")
     records = list(training.epochs())
     assert records[-1].validation_error < 0.6 < records[0].train_error
     batch = pairs[1].draw(12, np.random.default_rng(3), paired=True)
