@@ -338,6 +338,7 @@ def test_drawings_are_approached_inside_the_model(drawings, kernel):
     assert max(spikes) < SPIKE, spikes
 
 
+@pytest.mark.slow
 @needs_drawings
 def test_the_default_model_is_nearer_to_drawings_than_components_at_the_same_distance_from_the_prior(
     drawings, kernel, pca

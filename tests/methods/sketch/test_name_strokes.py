@@ -57,6 +57,7 @@ def test_strokes_of_a_head_with_a_huge_jaw_find_their_curves(sketch, handles, mo
     assert curves_of(named) == expected
 
 
+@pytest.mark.slow
 def test_what_a_network_sees_names_lines_of_an_unsteady_hand(handles, model):
     """Lines of unusual people that a hand moved, bent and left out."""
     right = []
@@ -82,7 +83,7 @@ def test_a_network_that_sees_another_face_harms_nothing(anonymous, handles, mode
     assert curves_of(named) == curves_of(name_strokes(anonymous, handles, model))
 
 
-@pytest.mark.parametrize("seed", [4, 8])
+@pytest.mark.parametrize("seed", [pytest.param(4, marks=pytest.mark.slow), 8])
 def test_a_network_s_face_in_a_part_of_a_drawing_counts_for_nothing(handles, model, seed):
     """A head that lies on its side: the network sees a face in what is left without the outline."""
     network, basis = load_sketch_pair()
@@ -98,7 +99,11 @@ def test_a_network_s_face_in_a_part_of_a_drawing_counts_for_nothing(handles, mod
     assert told > 0.9 * alone
 
 
-@pytest.mark.parametrize(("seed", "seen"), [(11, False), (23, False), (2, True), (11, True), (20, True)])
+@pytest.mark.parametrize(
+    ("seed", "seen"),
+    [(11, False), (20, True)]
+    + [pytest.param(*each, marks=pytest.mark.slow) for each in ((23, False), (2, True), (11, True))],
+)
 def test_lips_of_an_unsteady_hand_find_their_curves(seed, seen):
     """Every lip of unusual people had been left, or given to a nostril: no face laid over them had its mouth there."""
     model = load_model(kind=DEFAULT_LATENT)

@@ -148,8 +148,14 @@ def plain_face(*more):
     return [Stroke(resample(line, 30)) for line in (np.concatenate([first, first[:1]]), *lines, *more)]
 
 
-def test_sides_of_a_nose_leave_its_bridge_in_the_middle():
-    fit = SessionTools().reconstruction.reconstruct(Sketch(tuple(plain_face()), (512, 512)))
+@pytest.fixture(scope="module")
+def own():
+    """As the page reconstructs."""
+    return SessionTools().reconstruction
+
+
+def test_sides_of_a_nose_leave_its_bridge_in_the_middle(own):
+    fit = own.reconstruct(Sketch(tuple(plain_face()), (512, 512)))
     assert not fit.left and fit.errors["all"] < 0.1 and fit.flipped < 1e-3
     assert [stroke.curve for stroke in fit.sketch.strokes][9:] == [
         None, "nose", None, "mouth_inner_upper", "mouth_inner_lower", "mouth_lower",
@@ -158,8 +164,7 @@ def test_sides_of_a_nose_leave_its_bridge_in_the_middle():
     assert np.abs(bridge - (face.min() + face.max()) / 2).max() < 0.03 * np.ptp(face)
 
 
-def test_strokes_that_go_with_no_others_do_not_tear_the_face(monkeypatch):
-    own = SessionTools().reconstruction
+def test_strokes_that_go_with_no_others_do_not_tear_the_face(own, monkeypatch):
     sketch = Sketch(tuple(plain_face(CREASE)), (512, 512))
     fit = own.reconstruct(sketch)
     assert fit.flipped < 1e-3 and fit.errors["all"] < 0.2
@@ -168,8 +173,7 @@ def test_strokes_that_go_with_no_others_do_not_tear_the_face(monkeypatch):
     assert own.reconstruct(sketch).errors["all"] > 1.5 * fit.errors["all"]
 
 
-def test_a_small_drawing_on_a_large_page_is_doubted_as_a_large_one():
-    own = SessionTools().reconstruction
+def test_a_small_drawing_on_a_large_page_is_doubted_as_a_large_one(own):
     strokes = plain_face(CREASE)
     # All but the outline are shorter on the page than what draws a curve of a face that fills it.
     large, small = (
