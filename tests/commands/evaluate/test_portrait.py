@@ -6,6 +6,7 @@ import pytest
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.strict_json import read_json, write_json
+from caricli.methods.evaluate.evaluate_portrait import RENDERED, PortraitTally
 from caricli.methods.evaluate.portrait_studio import PortraitStudio
 from caricli.methods.evaluate.reconstruct_portrait import COARSE, METHODS, NETWORK, REFINED
 from caricli.structures import Landmarks
@@ -68,18 +69,25 @@ def test_tables_figures_and_picture_are_written(evaluated):
     assert picture.shape[1] > 6 * 48 and picture.shape[0] > 3 * 48 and picture.std() > 10
 
 
-def test_everybody_can_be_portrayed(run, dataset, tmp_path):
-    assert run(*COMMAND, "--data", dataset, "--out", tmp_path / "a", "--count", 1, "--everyone").exit_code == 0
+def test_everybody_can_be_portrayed(run, dataset, monkeypatch, tmp_path):
+    portrayed = []
+
+    def evaluate(sets, models):
+        portrayed.extend(sets[RENDERED].data.identity[sets[RENDERED].rows])
+        return PortraitTally(figures={RENDERED: {}}), np.zeros((4, 4, 3), np.uint8)
+
+    monkeypatch.setattr("caricli.commands.evaluate.portrait._evaluate", evaluate)
+    result = run(*COMMAND, "--data", dataset, "--out", tmp_path / "a", "--count", 16, "--everyone")
+    assert result.exit_code == 0, result.output
     assert read_json(tmp_path / "a" / "portrait.json")["test_people"] == {"unseen": 4, "of": 4}
+    assert sorted(portrayed) == sorted(4 * [0, 1, 2, 3])
 
 
-def test_the_same_seed_gives_the_same_figures(run, dataset, evaluated, tmp_path):
-    out = tmp_path / "again"
-    assert run(*COMMAND, "--data", dataset, "--out", out, "--count", 1).exit_code == 0
-    ((name, face),) = read_json(out / "portrait.json")["faces"]["rendered"].items()
-    known = read_json(evaluated[0] / "portrait.json")["faces"]["rendered"]
+def test_the_same_seed_gives_the_same_figures(evaluated, from_one):
+    ((name, face),) = read_json(from_one / "portrait.json")["faces"]["rendered"].items()
+    before = read_json(evaluated[0] / "portrait.json")["faces"]["rendered"]
     for method, figures in face.items():
-        timeless = {key: value for key, value in known[name][method].items() if key != "seconds"}
+        timeless = {key: value for key, value in before[name][method].items() if key != "seconds"}
         assert {key: value for key, value in figures.items() if key != "seconds"} == timeless
 
 
@@ -113,16 +121,21 @@ def test_a_dataset_of_other_meshes_is_refused(run, refused, eggs, tmp_path):
     assert "topology" in said and not (tmp_path / "out").exists()
 
 
-def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(run, dataset, pictures, evaluated, tmp_path):
-    folder = tmp_path / "from-1"
-    folder.mkdir()
+@pytest.fixture(scope="module")
+def from_one(run, dataset, pictures, tmp_path_factory):
+    """The same evaluation of a face less, with landmarks that are counted from 1."""
+    folder = tmp_path_factory.mktemp("from-1")
     shutil.copy(pictures / "one.png", folder)
     rows = "\n".join(f"{x:.6f} {y:.6f}" for x, y in np.loadtxt(pictures / "one.txt") + 1)
     (folder / "one.pts").write_text(f"version: 1\nn_points: 68\n{{\n{rows}\n}}\n")
     options = ("--count", 1, "--pictures", folder, "--pts-origin", 1)
-    result = run(*COMMAND, "--data", dataset, "--out", tmp_path / "out", *options)
+    result = run(*COMMAND, "--data", dataset, "--out", folder / "out", *options)
     assert result.exit_code == 0, result.output
-    faces = [read_json(out / "portrait.json")["faces"]["pictures"] for out in (tmp_path / "out", evaluated[0])]
+    return folder / "out"
+
+
+def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(evaluated, from_one):
+    faces = [read_json(out / "portrait.json")["faces"]["pictures"] for out in (from_one, evaluated[0])]
     for method, figures in faces[0]["one.png"].items():
         assert figures["nme"] == pytest.approx(faces[1]["one.png"][method]["nme"], abs=1e-3)
 
