@@ -16,8 +16,6 @@ from tests.fuzz.__main__ import fuzz
 from tests.fuzz.judge import judged
 from tests.fuzz.readers import READERS
 
-SECONDS = 40
-
 # Readers that others are made of, and those of folders and of files that come with caricli.
 PARTS = {"read_array", "read_bytes", "read_container", "read_start", "read_text", "read_yaml"}
 PARTS |= {"read_manifest", "read_named"}
@@ -70,5 +68,6 @@ def test_long_runs_are_read_soon(tmp_path, name, byte):
 
 
 @pytest.mark.skipif(importlib.util.find_spec("atheris") is None, reason="atheris is not made for this system")
-def test_fuzzing_finds_nothing(tmp_path):
-    assert fuzz(tmp_path, SECONDS) == []
+@pytest.mark.parametrize("seconds", [10, pytest.param(40, marks=pytest.mark.slow)])
+def test_fuzzing_finds_nothing(tmp_path, seconds):
+    assert fuzz(tmp_path, seconds) == []
