@@ -1,14 +1,30 @@
-"""Meshes that several folders of tests share."""
+"""Meshes that several folders of tests share, and which tests run in one process."""
 
 import signal
 
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
+from xdist.scheduler import LoadFileScheduling
 
 # What a shell starts with `&` ignores SIGINT, and so would every command that a test stops by it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+TOGETHER = ("tests/data/", "tests/methods/detect/")
+"""Folders whose files share what takes long to make."""
+
+
+class FolderScheduling(LoadFileScheduling):
+    """Tests of a file run in one process, and so do all of a folder in TOGETHER, which makes what they share once."""
+
+    def _split_scope(self, nodeid):
+        return next((folder for folder in TOGETHER if nodeid.startswith(folder)), super()._split_scope(nodeid))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    return FolderScheduling(config, log) if config.getoption("dist") == "loadfile" else None
 
 
 @pytest.fixture(scope="session")
