@@ -18,7 +18,8 @@ test: setup $(VALIDATOR_STAMP)
 	|| echo "Chromium is not installed: the tests play no films and draw no rigs in a browser, and do not open the studio"
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
-# Pipelines, examples and docs/own_head.md from nothing to their ends: what they call is tested by `make test`, too.
+# Pipelines, examples and docs/own_head.md from nothing to their ends; how far some networks learn, more drawings, longer
+# fuzzing: what they call is tested by `make test`, too.
 slow: setup
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist load -m slow
 
