@@ -10,7 +10,7 @@ import numpy as np
 from caricli.errors import UsageError, naming, shown
 from caricli.io.image import is_image_file, read_image
 from caricli.io.landmarks import write_landmarks
-from caricli.store.pictures import load_marked_picture
+from caricli.store.pictures import load_found_marks
 from caricli.structures.detection import FacePicture, SeenFace
 
 if TYPE_CHECKING:
@@ -46,9 +46,7 @@ class FaceReader:
         there are two pictures.
         """
         if not is_image_file(path):
-            marks, pixels = load_marked_picture(path, image, self.pts_origin)
-            # Those with spreads were found, too.
-            return FacePicture(marks if marks.spreads is None else marks.first(count), pixels)
+            return FacePicture(*load_found_marks(path, count, image, self.pts_origin))
         if image is not None:
             raise UsageError(f"{shown(path)} is a picture itself: --image is for landmarks")
         pixels = read_image(path)

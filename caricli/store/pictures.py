@@ -88,6 +88,17 @@ def load_marked_picture(
         return replace(marks, image_size=size), picture
 
 
+def load_found_marks(
+    path: Path, count: int, image: Path | None = None, pts_origin: int = 1
+) -> tuple[Landmarks, np.ndarray | None]:
+    """``load_marked_picture``; of landmarks with spreads, which were found, those beyond the mesh's are left out.
+
+    count: landmarks that the mesh has.
+    """
+    marks, picture = load_marked_picture(path, image, pts_origin)
+    return (marks if marks.spreads is None else marks.first(count)), picture
+
+
 def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | None:
     """(H, W) bool: pixels that show an eye, by the labels of a parsed picture.
 

@@ -12,7 +12,7 @@ from caricli.models.shape_model import ShapeModel
 from caricli.render.sheets.crop_portrait import crop_portrait
 from caricli.store.faces import load_latent_face
 from caricli.store.landmark_encoders import elastic_encoder
-from caricli.store.pictures import load_marked_picture
+from caricli.store.pictures import load_found_marks
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,16 +39,17 @@ def face_loader(model: ShapeModel, anew: bool) -> FaceLoader:
 
 
 def landmark_loader(model: ShapeModel, pts_origin: int, size: int) -> FaceLoader:
-    """Reconstruct the faces of landmark files.
+    """Reconstruct the faces of landmark files; those that were found are followed as surely as they are known.
 
     model: ShapeModel of the latents. pts_origin: coordinate of the first pixel in .pts files. size: pixels, side of a
     portrait.
     """
     encoder = elastic_encoder(model)
+    count = len(model.template.annotation.landmarks)
 
     def load(path: Path, image: Path | None) -> RegularFace:
-        marks, picture = load_marked_picture(path, image, pts_origin)
-        face, nme = encoder.encode(marks.head_points)
+        marks, picture = load_found_marks(path, count, image, pts_origin)
+        face, nme = encoder.encode(marks.head_points, marks.spreads)
         portrait = None if picture is None else crop_portrait(picture, marks.points, size)
         return RegularFace(face, f"{shown(path)}: reconstructed, NME {nme:.2f} %", portrait)
 
