@@ -235,19 +235,22 @@ class TrainingRun(RunFolder):
 
 
 def _check_same(trained: dict, asked: dict) -> None:
-    """Refuse to go on with other settings or contents; where the files lie does not matter."""
+    """Refuse to go on with other settings, or other contents or the same in another order, which says what each is for;
+    where the files lie does not matter."""
     then = trained.get("config")
     now = asked["config"]
     inputs = trained.get("inputs")
-    hashes = inputs.values() if isinstance(inputs, dict) else [None]
+    hashes: list = list(inputs.values()) if isinstance(inputs, dict) else [None]
+    others = list(asked["inputs"].values())
     if not isinstance(then, dict) or not all(isinstance(value, str) for value in hashes):
         raise InputError("expected a training with its settings and inputs, found none; --overwrite begins anew")
-    if then == now and sorted(hashes) == sorted(asked["inputs"].values()):
+    if then == now and hashes == others:
         return
+    data = "the same data in another order" if sorted(hashes) == sorted(others) else "other data"
     settings = [f"{name} {then.get(name)} there, {now[name]} here" for name in now if then.get(name) != now[name]]
     raise InputError(
         "expected a training with these settings and data, found another "
-        f"({', '.join(settings) or 'other data'}); --overwrite begins anew"
+        f"({', '.join(settings) or data}); --overwrite begins anew"
     )
 
 

@@ -73,6 +73,16 @@ def test_other_settings_or_data_are_said(training, template, tmp_path):
     TrainingRun(tmp_path, RECIPE | {"inputs": {"elsewhere.json": "0" * 64}}, Beginning(resume=True))
 
 
+def test_the_same_data_in_another_order_are_others(training, template, tmp_path):
+    inputs = {"a/dataset.json": "0" * 64, "b/dataset.json": "1" * 64}
+    list(TrainingRun(tmp_path, RECIPE | {"inputs": inputs}, Beginning()).follow(training(), template))
+    turned = {"b/dataset.json": "1" * 64, "a/dataset.json": "0" * 64}
+    with pytest.raises(InputError, match="the same data in another order"):
+        TrainingRun(tmp_path, RECIPE | {"inputs": turned}, Beginning(resume=True))
+    moved = {"c/dataset.json": "0" * 64, "a/dataset.json": "1" * 64}
+    TrainingRun(tmp_path, RECIPE | {"inputs": moved}, Beginning(resume=True))
+
+
 def test_what_is_there_is_kept_unless_it_is_to_be_replaced(training, template, tmp_path):
     (tmp_path / STATE).write_text("mine")
     (tmp_path / "thesis.txt").write_text("mine")
