@@ -1,5 +1,6 @@
 """Wrinkle lines of many heads, found once: suggestive contours take a twentieth of a second each."""
 
+import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -37,7 +38,8 @@ class WrinkleBook:
 
         template: of them. report: told of heads that are done.
         """
-        given = (template.topology_id, repr(asdict(ArtistSettings())), vertices)
+        regions = json.dumps(template.annotation.source, sort_keys=True)
+        given = (template.topology_id, template.vertices, regions, repr(asdict(ArtistSettings())), vertices)
         arrays = kept_arrays("wrinkles", given, partial(_found, template, vertices, report))
         return cls(arrays["lines"], arrays["starts"])
 

@@ -1,4 +1,5 @@
 import copy
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,11 +10,13 @@ import torch
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
+from caricli.methods.sketch.sketch_artist import WRINKLED
 from caricli.methods.train.sketch.train_published import PublishedTraining, Step
 from caricli.methods.train.sketch.wrinkle_book import WrinkleBook
 from caricli.models.bilinear.config import BilinearConfig
 from caricli.models.bilinear.model import BilinearModel
 from caricli.models.sketch.config import SketchConfig
+from caricli.template.annotation import parse_annotation
 
 SHORT = ("steps=2",)
 
@@ -140,6 +143,16 @@ def test_wrinkles_of_heads_are_their_own(data):
     alone = book.some(np.array([2, 0])).of_rows(np.array([0, 1]))
     np.testing.assert_array_equal(alone.lines, lines.lines)
     assert np.linalg.norm(lines.lines[0][0], axis=1).min() > 0
+
+
+def test_wrinkles_kept_of_an_annotation_are_not_those_of_another(data, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    template = data.template
+    source = template.annotation.source
+    fewer = {name: ids for name, ids in source["regions"].items() if name not in WRINKLED}
+    annotation = parse_annotation(source | {"regions": fewer}, len(template.vertices), "smooth")
+    assert len(WrinkleBook.of(template, data.vertices[:1]).lines) > 0
+    assert len(WrinkleBook.of(replace(template, annotation=annotation), data.vertices[:1]).lines) == 0
 
 
 def test_a_dataset_without_a_grid_is_refused(data, model):
