@@ -54,7 +54,7 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
             refuse(number_problem(shown(name, 60), value))
     try:
         template = _shared_template(tensors, metadata["annotation"], where)
-        own = {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
+        own = own_tensors(tensors)
         with naming(where):
             model = model_class(kind).from_tensors(template, own, model_id(kind, own))
         more = {*tensors} - {f"model.{name}" for name in model.tensors()}
@@ -67,6 +67,11 @@ def model_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
     with naming(where):
         model.seen = SeenPeople.of_recipe(metadata.get("recipe"))
     return model
+
+
+def own_tensors(tensors: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What a checkpoint's tensors say of the model itself, as it names them; the others are its template's."""
+    return {name.removeprefix("model."): value for name, value in tensors.items() if name.startswith("model.")}
 
 
 def model_id(kind: str, tensors: Mapping[str, np.ndarray]) -> str:

@@ -1,13 +1,16 @@
 """Models by name or path: those that come with caricli, and users' own."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.strict_json import read_json
-from caricli.models.checkpoint import model_from_checkpoint
+from caricli.models.checkpoint import model_from_checkpoint, model_id, own_tensors
 from caricli.models.kinds import KINDS
 from caricli.models.shape_model import ShapeModel
 from caricli.template.layout import bundled_layout
@@ -31,10 +34,21 @@ def load_model(name: str | Path | None = None, kind: str = DEFAULT_ELASTIC) -> S
     """
     path = model_path(kind if name is None else name)
     tensors, metadata = read_checkpoint(path)
-    if path.resolve().parent == asset_path("").resolve():
+    if _is_bundled(path, tensors, metadata):
         # What is bundled is of the bundled head and lies in its picture as this does, whatever it was trained on.
         tensors |= {f"template.{part}": value for part, value in bundled_layout().items()}
     return model_from_checkpoint(tensors, metadata, shown(path))
+
+
+def _is_bundled(path: Path, tensors: Mapping[str, np.ndarray], metadata: Mapping[str, Any]) -> bool:
+    """Whether a checkpoint is a model that comes with caricli, or a copy of one."""
+    if path.resolve().parent == asset_path("").resolve():
+        return True
+    kind = metadata.get("kind")
+    polygons = tensors.get("template.polygons")
+    if polygons is None or polygons.shape != bundled_layout()["uv_polygons"].shape:
+        return False
+    return isinstance(kind, str) and bundled_kind(model_id(kind, own_tensors(tensors))) == kind
 
 
 def model_path(name: str | Path) -> Path:

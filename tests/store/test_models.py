@@ -5,7 +5,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
+from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.store.models import bundled_kind, check_topology, load_model, load_morphable, model_name
 
 
@@ -38,11 +38,20 @@ def test_what_is_bundled_lies_in_the_picture_as_the_head_does(head_template, kin
     assert template.topology_id == head_template.topology_id
 
 
+@pytest.mark.parametrize("kind", ["pca", "intrinsic", "deformable"])
+def test_a_copy_of_a_bundled_model_is_that_model(tmp_path, kind):
+    shutil.copy(asset_path(f"{kind}.safetensors"), tmp_path / "copy.safetensors")
+    copy, model = load_model(tmp_path / "copy.safetensors"), load_model(kind=kind)
+    assert copy.model_id == model.model_id
+    np.testing.assert_array_equal(copy.template.uvs, model.template.uvs)
+    np.testing.assert_array_equal(copy.template.uv_polygons, model.template.uv_polygons)
+
+
 def test_a_model_of_ones_own_keeps_the_layout_that_it_was_trained_with(tmp_path):
-    stored = read_checkpoint(asset_path("pca.safetensors"))[0]
+    stored, about = read_checkpoint(asset_path("pca.safetensors"))
     own = tmp_path / "pca.safetensors"
-    shutil.copy(asset_path("pca.safetensors"), own)
+    write_checkpoint(own, stored | {"model.mean": stored["model.mean"] * np.float32(1.01)}, about)
     template = load_model(own).template
     np.testing.assert_array_equal(template.uvs, stored["template.uvs"])
     np.testing.assert_array_equal(template.uv_polygons, stored["template.uv_polygons"])
-    assert load_model(own).model_id == load_model(kind="pca").model_id
+    assert load_model(own).model_id != load_model(kind="pca").model_id
