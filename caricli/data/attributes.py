@@ -48,13 +48,15 @@ def measure_attributes(
 
     vertices: (V, 3) metres. template: with 81 landmarks. gender: 1 is female, and age: from 0 to 1, where known.
     exaggerated: where known.
-    Returns numbers by names; lengths are divided by the size of the face.
+    Returns numbers by names; lengths are divided by the size of the face. DoubleChin is left out where the chin's
+    ``jaw_paths`` are its landmarks alone, which say nothing of what is below them.
     """
     face = _Face(vertices[template.annotation.landmarks])
-    throat = vertices[[path[0] for path in template.annotation.jaw_paths[_CHIN]]]
+    throat = [path[0] for path in template.annotation.jaw_paths[_CHIN] if len(path) > 1]
     # Datasets keep this order.
     measures = face.nose() | face.mouth() | face.eyes() | face.outline()
-    measures["DoubleChin"] = (face.at("chin")[1] - throat[:, 1].mean()) / face.size
+    if throat:
+        measures["DoubleChin"] = (face.at("chin")[1] - vertices[throat, 1].mean()) / face.size
     measures |= face.brows() | face.ears()
     if gender is not None:
         measures["Women"] = gender

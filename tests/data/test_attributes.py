@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from caricli.data.attributes import QUANTILE, binary_labels, measure_attributes
 from caricli.data.dataset import read_dataset
+from caricli.template.annotation import parse_annotation
 
 NOSE, EYES, MOUTH = range(27, 36), (range(36, 42), range(42, 48)), range(48, 68)
 # What issue and paper name; all of them must be measured.
@@ -81,6 +84,14 @@ def test_flesh_below_the_chin_makes_a_double_chin(head_template):
     vertices[under, 1] -= 0.02
     before, after = (measure_attributes(v, head_template)["DoubleChin"] for v in (head_template.vertices, vertices))
     assert after > before + 0.05
+
+
+def test_without_paths_below_the_chin_a_double_chin_is_not_measured(head_template):
+    source = {name: value for name, value in head_template.annotation.source.items() if name != "jaw_paths"}
+    annotation = parse_annotation(source, len(head_template.vertices), "no paths")
+    bare = measure_attributes(head_template.vertices, replace(head_template, annotation=annotation))
+    whole = measure_attributes(head_template.vertices, head_template)
+    assert set(whole) - set(bare) == {"DoubleChin"} and all(bare[name] == whole[name] for name in bare)
 
 
 def test_every_named_attribute_is_there_and_what_is_not_known_is_absent(head_template):
