@@ -13,14 +13,15 @@ from caricli.io.strict_json import read_json
 from caricli.methods.rig.expression_templates import ExpressionTemplates, check_templates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.structures import Mesh
-from caricli.structures.arkit import arkit_name, is_half
+from caricli.structures.arkit import arkit_name, is_half, plain_name
 
 
 def load_templates(folder: Path | None = None) -> tuple[ExpressionTemplates, list[Path]]:
     """ExpressionTemplates, and the files that they are read from.
 
     folder: path of one with meshes, or None for the open head's own. A file whose name means an action of ARKit's
-    (``eyeBlink_L``) gets its name; halves of one (``browInnerUp_L``) keep theirs, and their sum is added as the whole.
+    (``eyeBlink_L``) gets its name; halves of one (``browInnerUp_L``) keep theirs, and where both are there, their sum
+    is added as the whole.
     Raises InputError where it holds no neutral face and expressions of one mesh that can be transferred from.
     """
     if folder is None:
@@ -56,13 +57,18 @@ def _template_files(folder: Path) -> tuple[Path, list[Path]]:
 
 
 def _with_arkit_names(names: list[str], neutral: np.ndarray, shapes: np.ndarray) -> tuple[list[str], np.ndarray]:
-    """Names by ARKit's where they mean the same, and shapes (K, V, 3), the wholes of halves appended to both."""
+    """Names by ARKit's where they mean the same, and shapes (K, V, 3), the wholes of two halves appended to both."""
     own = [name if is_half(name) else arkit_name(name) or name for name in names]
     (twice, count), *_ = Counter(own).most_common(1)
     if count > 1:
         raise InputError(f"expected distinct expressions, found {twice!r} twice under two names")
     halves = {name: arkit_name(name) for name in own if is_half(name)}
-    wholes = [whole for whole in dict.fromkeys(halves.values()) if whole and whole not in own]
+    sides = {plain_name(name) for name in halves}
+    wholes = [
+        whole
+        for whole in dict.fromkeys(halves.values())
+        if whole and whole not in own and {plain_name(whole + side) for side in ("Left", "Right")} <= sides
+    ]
     sums = [
         neutral + sum(shapes[k] - neutral for k, name in enumerate(own) if halves.get(name) == whole)
         for whole in wholes

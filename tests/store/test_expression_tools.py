@@ -40,6 +40,13 @@ def test_ones_own_templates_take_the_names_of_the_models_mesh(head_template, hea
     assert list(own.expressions) == ["neutral", "Smile"] and own.templates.annotation is not None
 
 
+def test_one_half_alone_is_not_the_whole(head_template, head, tmp_path):
+    write_mesh(tmp_path / "neutral.obj", head_template)
+    brow = head.evaluate(actions={"browInnerUp": 0.5})
+    write_mesh(tmp_path / "browInnerUp_L.obj", head_template.with_vertices(brow))
+    assert load_templates(tmp_path)[0].names == ("browInnerUp_L",)
+
+
 def test_templates_of_other_units_and_names_become_arkits_in_metres(head_template, head, tmp_path):
     write_mesh(tmp_path / "neutral.obj", head_template.with_vertices(100 * head_template.vertices))
     actions = {"eyeBlink_L": "eyeBlinkLeft", "Pout": "mouthPucker"}
