@@ -13,7 +13,7 @@ from caricli.errors import InputError, naming
 from caricli.io.image import read_image
 from caricli.io.npz import take_array, write_npz
 from caricli.io.outputs import write_bytes
-from caricli.io.provenance import sha256_file
+from caricli.io.provenance import sha256_file, sha256_files
 from caricli.io.strict_json import take, take_whole, write_json
 from caricli.limits import MAX_VERTICES
 from caricli.structures.checks import number_problem, refuse
@@ -81,8 +81,13 @@ class PictureSet:
     @property
     def missing(self) -> int:
         """How many pictures are not there with their label maps."""
-        files = ((self.folder / picture_name(k), self.folder / labels_name(k)) for k in range(self.count))
-        return sum(not (picture.is_file() and labels.is_file()) for picture, labels in files)
+        return sum(not all(path.is_file() for path in _files(self.folder, k)) for k in range(self.count))
+
+    @property
+    def changed(self) -> bool:
+        """Whether pictures or label maps, which are all there, are others than the manifest says, if it says it."""
+        digest = self.manifest.get("sha256")
+        return digest is not None and digest != _sha256(self.folder, self.count)
 
     def pictures_of(self, split: str) -> np.ndarray:
         """Numbers of the pictures that show nobody but people of a split of the dataset, or nobody."""
@@ -105,6 +110,15 @@ def picture_name(number: int) -> str:
 def labels_name(number: int) -> str:
     """The file of a label map in its folder."""
     return f"labels/{number:06d}.png"
+
+
+def _files(folder: Path, number: int) -> tuple[Path, Path]:
+    return folder / picture_name(number), folder / labels_name(number)
+
+
+def _sha256(folder: Path, count: int) -> str:
+    """Of all pictures with their label maps, in their order."""
+    return sha256_files(path for number in range(count) for path in _files(folder, number))
 
 
 class PictureWriter:
@@ -141,6 +155,7 @@ class PictureWriter:
             **manifest,
             "regions": [region.name.lower() for region in Region],
             "truth": {"file": TRUTH, "sha256": sha256_file(self.folder / TRUTH)},
+            "sha256": _sha256(self.folder, self.count),
             "media": self.media,
         }
         write_json(self.folder / MANIFEST, value)

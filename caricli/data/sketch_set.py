@@ -12,7 +12,7 @@ from caricli.data.shards import ShardForm
 from caricli.errors import InputError, naming
 from caricli.io.npz import take_array, write_npz
 from caricli.io.outputs import write_bytes
-from caricli.io.provenance import sha256_file
+from caricli.io.provenance import sha256_file, sha256_files
 from caricli.io.strict_json import take, take_whole, write_json
 from caricli.limits import MAX_SKETCH_POINTS, MAX_SKETCH_SIDE
 from caricli.structures.checks import number_problem, refuse
@@ -62,8 +62,13 @@ class SketchSet:
     @property
     def missing(self) -> int:
         """How many pictures of sketches are not there."""
-        files = (self.folder / picture_name(number) for number in range(self.manifest["count"]))
-        return sum(not picture.is_file() for picture in files)
+        return sum(not picture.is_file() for picture in _files(self.folder, self.manifest["count"]))
+
+    @property
+    def changed(self) -> bool:
+        """Whether pictures, which are all there, are others than the manifest says, if it says it."""
+        digest = self.manifest.get("sha256")
+        return digest is not None and digest != sha256_files(_files(self.folder, self.manifest["count"]))
 
     def rows_of(self, split: str) -> np.ndarray:
         """Numbers of the sketches of a split's people."""
@@ -73,6 +78,11 @@ class SketchSet:
 def picture_name(number: int) -> str:
     """The file of a sketch's picture in its folder."""
     return f"pictures/{number:06d}.png"
+
+
+def _files(folder: Path, count: int) -> list[Path]:
+    """The pictures of all sketches."""
+    return [folder / picture_name(number) for number in range(count)]
 
 
 class SketchWriter:
@@ -111,7 +121,7 @@ class SketchWriter:
         if self.waiting:
             self._flush()
         value = {"schema": SCHEMA, "count": self.count, **manifest, "curves": self.curves, "shards": self.shards}
-        write_json(self.folder / MANIFEST, value)
+        write_json(self.folder / MANIFEST, value | {"sha256": sha256_files(_files(self.folder, self.count))})
 
 
 def read_sketch_set(folder: Path) -> SketchSet:

@@ -20,6 +20,11 @@ def sha256_file(path: str | Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
+def sha256_files(paths: Iterable[str | Path]) -> str:
+    """One SHA-256 of files in their order, as 64 hexadecimal digits. Raises InputError as ``sha256_file``."""
+    return hashlib.sha256("\n".join(map(sha256_file, paths)).encode()).hexdigest()
+
+
 def provenance(
     command: str, inputs: Iterable[Path | str | None], seed: int | None = None, **more: Any
 ) -> dict[str, Any]:

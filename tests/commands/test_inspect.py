@@ -1,4 +1,5 @@
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from caricli.io.meshes.mesh import write_mesh
 from caricli.io.parsing import legend
 from caricli.io.rig import write_rig
 from caricli.io.session import format_session
-from caricli.io.strict_json import write_json
+from caricli.io.strict_json import read_json, write_json
 from caricli.io.takes.track import write_weights
 from caricli.store.models import load_model
 from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Sketch, Stroke, StrokeKind, Track
@@ -237,6 +238,17 @@ def test_folders_of_pictures(inspect, refused, head_template, tmp_path):
         assert lines[0].endswith("pictures, 8 pictures, 8 faces of 3 people") and "made as: 8 flat" in lines
         assert report["pictures"] == report["faces"] == 8
     assert inspect(folder / "truth.npz")[0][0].endswith("a part of pictures, 8 faces")
+    assert inspect(folder)[0][-1] == "whole"
+    picture = folder / "pictures" / "000002.jpg"
+    before = picture.read_bytes()
+    shutil.copy(folder / "pictures" / "000001.jpg", picture)
+    assert inspect(folder)[0][-1] == "not whole: pictures changed since they were written"
+    # Folders of before say nothing of their pictures.
+    manifest = read_json(folder / "pictures.json")
+    write_json(folder / "pictures.json", {name: value for name, value in manifest.items() if name != "sha256"})
+    assert inspect(folder)[0][-1] == "whole"
+    write_json(folder / "pictures.json", manifest)
+    picture.write_bytes(before)
     (folder / "labels" / "000003.png").unlink()
     assert inspect(folder)[0][-1] == "not whole: 1 pictures missing"
     (folder / "truth.npz").write_bytes(b"PK")
@@ -248,7 +260,7 @@ def test_folders_of_sketches(inspect, head_template, tmp_path):
     truth = {"row": 1, "person": 0, "expression": 2, "level": 1, "scale": 2.0, "translation": np.ones(2)}
     for _ in range(3):
         sketch = Sketch((Stroke(np.array([[1.0, 2], [30, 40]]), StrokeKind.FEATURE, "nose"),), (64, 64))
-        writer.add(sketch, b"", truth | {"rotation": np.eye(3)})
+        writer.add(sketch, b"a picture", truth | {"rotation": np.eye(3)})
     splits = {"train": [0], "validation": [1], "test": [2]}
     writer.finish({"side": 64, "splits": splits, "topology_id": head_template.topology_id})
     for path in (tmp_path / "set", tmp_path / "set" / "sketches.json"):
@@ -257,7 +269,10 @@ def test_folders_of_sketches(inspect, head_template, tmp_path):
         assert lines[1:4] == [
             "splits: 3 train, 0 validation, 0 test", "curves: nose", "topology: that of the bundled models"
         ]  # fmt: skip
+        assert lines[-1] == "whole"
     assert inspect(tmp_path / "set" / "strokes-0000.npz")[0][0].endswith("a part of sketches, 3 sketches")
+    (tmp_path / "set" / "pictures" / "000001.png").write_bytes(b"another")
+    assert inspect(tmp_path / "set")[0][-1] == "not whole: pictures changed since they were written"
 
 
 def test_folders_of_textures(inspect, head, tmp_path):

@@ -470,7 +470,7 @@ def _sketches_bundle(path: Path) -> None:
         writer = SketchWriter(folder, ("nose",))
         truth: dict[str, Any] = {"row": 1, "person": 0, "expression": 2, "level": 1, "scale": 2.0}
         truth |= {"rotation": np.eye(3), "translation": np.ones(2)}
-        writer.add(_sketch(), b"", truth)
+        writer.add(_sketch(), b"a picture", truth)
         writer.finish({"side": 64, "splits": {"train": [0, 1], "validation": [2], "test": [3]}})
     manifest = (folder / "sketches.json").read_text()
     write_npz(path, read_npz(folder / "strokes-0000.npz") | {"manifest": np.array(manifest)})

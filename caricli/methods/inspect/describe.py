@@ -309,7 +309,7 @@ def _(value: PictureSet, around: Acquaintances) -> Inspection:
     values = {"pictures": value.count, "faces": faces, "people": len(np.unique(value.truth["person"]))}
     lines = (*map(shown, summarise_pictures(value)[1:]), _topology(value.manifest, around))
     summary = f"{value.count} pictures, {faces} faces of {values['people']} people"
-    return Inspection("pictures", summary, lines, values, _missing(value))
+    return Inspection("pictures", summary, lines, values, _unlike(value))
 
 
 @describe.register
@@ -324,7 +324,7 @@ def _(value: SketchSet, around: Acquaintances) -> Inspection:
     )
     values = {"sketches": count, "people": people, "splits": splits, "side": value.side}
     summary = f"{count} sketches of {people} people, {value.side} x {value.side} pixels"
-    return Inspection("sketches", summary, lines, values, _missing(value))
+    return Inspection("sketches", summary, lines, values, _unlike(value))
 
 
 @describe.register
@@ -347,10 +347,11 @@ def _topology(manifest: dict[str, Any], around: Acquaintances) -> str:
     return f"topology: {'that of the bundled models' if same else 'not known'}"
 
 
-def _missing(value: PictureSet | SketchSet) -> tuple[str, ...]:
-    """The problem that pictures are not there, if they are not."""
-    missing = value.missing
-    return (f"{missing} pictures missing",) if missing else ()
+def _unlike(value: PictureSet | SketchSet) -> tuple[str, ...]:
+    """The problem that pictures are not there, or not as they were written, if they are not."""
+    if missing := value.missing:
+        return (f"{missing} pictures missing",)
+    return ("pictures changed since they were written",) if value.changed else ()
 
 
 def _flipped_share(data: Dataset) -> np.ndarray:
