@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -16,6 +17,9 @@ DIGITS = 12
 
 STEP = 1e-4
 """Of what people are made of, all of it between -2 and 2: what machines make of the same draw differs by less."""
+
+MEASURED_STEP = 1e-4
+"""Metres, of what meshes measure: the same mesh in files of other units differs by less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,19 +41,20 @@ class UnseenData:
         return {"test_people": {"unseen": self.test, "of": self.of}}
 
 
-def fingerprints(data: Dataset, split: str) -> dict[int, frozenset[str]]:
+def fingerprints(data: Dataset, split: str, older: bool = False) -> dict[int, frozenset[str]]:
     """What tells everybody of a split from others, whatever the number in the dataset.
 
     A generated person is what the head was made of, so every expression and exaggeration is the same person. An
-    imported one is the set of meshes, by their vertices in single precision; one shared mesh is enough.
+    imported one is the set of meshes, by what they measure, whatever unit their files are in; one shared mesh is
+    enough. older: also give the marks of imported meshes that recipes of before hold, of their very vertices.
     """
     digests: dict[int, set[str]] = {int(person): set() for person in data.manifest["splits"][split]}
     rows = np.flatnonzero(data.rows(split))
     if has_partners(data):
         # All meshes of a person are made of the same.
         rows = rows[np.unique(data.identity[rows], return_index=True)[1]]
-    mark = _making if has_partners(data) else _shape
-    for row in rows:
+    kinds = [_making] if has_partners(data) else [_measures, _shape] if older else [_measures]
+    for row, mark in product(rows, kinds):
         digests[int(data.identity[row])].add(hashlib.sha256(mark(data, int(row))).hexdigest()[:DIGITS])
     return {person: frozenset(marks) for person, marks in digests.items()}
 
@@ -131,7 +136,7 @@ def _strangers(data: Dataset, split: str, seen: Mapping[str, SeenPeople | None])
     known_marks = frozenset().union(*(own.before(split) for own in seen.values() if own is not None))
     if not known_marks:
         return list(data.manifest["splits"][split])
-    return [person for person, marks in fingerprints(data, split).items() if not marks & known_marks]
+    return [person for person, marks in fingerprints(data, split, True).items() if not marks & known_marks]
 
 
 def _making(data: Dataset, row: int) -> bytes:
@@ -140,6 +145,15 @@ def _making(data: Dataset, row: int) -> bytes:
     named = sorted((name, step) for name, step in zip(data.manifest["changes"], changes, strict=True) if step)
     whole = [round(float(data.factors[name][row]) / STEP) for name in ("gender", "age", "weight")]
     return repr((whole, named)).encode()
+
+
+def _measures(data: Dataset, row: int) -> bytes:
+    """How far the vertices of an imported mesh lie from their centre along every axis: averages over all of them, which
+    the last digits in a file hardly change."""
+    vertices = data.vertices[row].astype(float)
+    away = vertices - vertices.mean(0)
+    lengths = np.concatenate([away.std(0), np.abs(away).mean(0)])
+    return repr(("measures/1", np.round(lengths / MEASURED_STEP).astype(int).tolist())).encode()
 
 
 def _shape(data: Dataset, row: int) -> bytes:

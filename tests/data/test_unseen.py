@@ -1,3 +1,4 @@
+import hashlib
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -92,13 +93,37 @@ def test_a_coordinate_of_minus_nothing_is_nothing():
     """As other programs write it of the same mesh."""
 
     def marks(nothing):
-        vertices = np.array([[[1.0, nothing, 2.0]]])
+        vertices = np.array([[[1.0, nothing, 2.0], [2.0, 0, 0]]])
         manifest = {"splits": {"test": [4]}}
         own = {"rows": lambda split: np.array([True]), "identity": np.array([4]), "factors": {}, "manifest": manifest}
         data: Any = SimpleNamespace(vertices=vertices, **own)
-        return fingerprints(data, "test")
+        return fingerprints(data, "test", older=True)
 
-    assert marks(0.0) == marks(-0.0) != marks(1.0)
+    assert marks(0.0) == marks(-0.0) != marks(1.0) and len(marks(0.0)[4]) == 2
+
+
+def test_people_of_imported_files_are_the_same_in_every_unit_and_place(barrel, barrels, tmp_path):
+    folder, shapes, annotation = barrels
+    (tmp_path / "cm").mkdir()
+    for number, shape in enumerate(shapes):
+        write_obj(tmp_path / "cm" / f"{number:02d}.obj", barrel.mesh.with_vertices(100 * shape + [0, 150.3, -2]))
+    seen = []
+    for meshes in (folder, tmp_path / "cm"):
+        out = tmp_path / f"{meshes.name}-data"
+        out.mkdir()
+        import_dataset(meshes, out, annotation)
+        seen.append(everybody(read_dataset(out)))
+    assert seen[0] == seen[1] and len(frozenset().union(*seen[0].values())) == 12
+
+
+def test_imported_people_of_older_recipes_are_seen(barrels, tmp_path):
+    (tmp_path / "out").mkdir()
+    import_dataset(barrels[0], tmp_path / "out", barrels[2])
+    data = read_dataset(tmp_path / "out")
+    old = {hashlib.sha256(shape.tobytes()).hexdigest()[:12] for shape in data.vertices[:3]}
+    tested = with_splits(data, test=list(range(12)))
+    unseen = unseen_data(tested, {"old": SeenPeople(frozenset(old))})
+    assert unseen.data.manifest["splits"]["test"] == list(range(3, 12))
 
 
 def test_who_was_trained_with_leaves_the_tests_and_who_remains_is_counted(eight):
