@@ -1,5 +1,6 @@
 """A dataset folder: a manifest, the template and shards of meshes."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -64,11 +65,25 @@ def split_identities(identities: Sequence[int], generator: np.random.Generator) 
     identities: distinct numbers.
     Returns sorted lists by the names of SPLITS.
     """
-    shuffled = [int(i) for i in generator.permutation(identities)]
-    count = len(shuffled)
+    return _divided([int(i) for i in generator.permutation(identities)])
+
+
+def split_names(names: Sequence[str], seed: int) -> dict[str, list[int]]:
+    """Divide people as ``split_identities`` does, but in the order of a hash of seed and name: when somebody comes in,
+    at most one other goes from each split to its neighbour, and nobody between test and training.
+
+    names: N, distinct. Returns sorted lists of their numbers by the names of SPLITS.
+    """
+    hashes = [hashlib.sha256(f"{seed} {name}".encode()).hexdigest() for name in names]
+    return _divided(sorted(range(len(names)), key=hashes.__getitem__))
+
+
+def _divided(order: Sequence[int]) -> dict[str, list[int]]:
+    """Numbers in SPLITS, those that come first in the last."""
+    count = len(order)
     test = max(round(TEST_SHARE * count), 1 if count > 1 else 0)
     validation = max(round(VALIDATION_SHARE * count), 1 if count > 2 else 0)
-    parts = (shuffled[test + validation :], shuffled[test : test + validation], shuffled[:test])
+    parts = (order[test + validation :], order[test : test + validation], order[:test])
     return {name: sorted(part) for name, part in zip(SPLITS, parts, strict=True)}
 
 

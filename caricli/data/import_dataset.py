@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from caricli.data.dataset import split_identities
+from caricli.data.dataset import split_names
 from caricli.data.expressions import NEUTRAL
 from caricli.data.mesh_names import MeshName, read_level, read_mesh_name
 from caricli.data.units import UNITS, measured_unit
@@ -45,13 +45,18 @@ class Labels:
     values: np.ndarray
 
     @property
+    def people(self) -> list[str]:
+        """Their names, in the order in which they come."""
+        return list(dict.fromkeys(name.person for name in self.shown))
+
+    @property
     def expressions(self) -> list[str]:
         """The names of all expressions, the neutral one first."""
         return list(dict.fromkeys([NEUTRAL, *sorted(name.expression for name in self.shown)]))
 
     def columns(self) -> dict[str, np.ndarray]:
         """(N,) int32 by the names of a dataset's columns."""
-        people = {person: k for k, person in enumerate(dict.fromkeys(name.person for name in self.shown))}
+        people = {person: k for k, person in enumerate(self.people)}
         expressions = {expression: k for k, expression in enumerate(self.expressions)}
         rows = [(people[name.person], expressions[name.expression], name.level) for name in self.shown]
         return dict(zip(("identity", "expression", "level"), np.array(rows, dtype=np.int32).T, strict=True))
@@ -125,8 +130,8 @@ def import_dataset(
     template = replace(template, parts=parts)
     labels = read_labels(labels_path, [path.name for path in files])
     columns = labels.columns() | {"file": np.array([path.name for path in files])}
-    people = np.unique(columns["identity"]).tolist()
-    splits = split_identities(people, np.random.default_rng(settings.seed))
+    people = labels.people
+    splits = split_names(people, settings.seed)
     flipped = np.mean([flipped_triangles(shape, template.gradients).mean() for shape in shapes])
     writer = DatasetWriter(folder, template)
     together = max(min(SHARD_SIZE, npz_holds(shapes[0].nbytes)), 1)

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.data.dataset import ALBEDO_FILE, SPLITS, read_albedos, read_dataset, split_identities
+from caricli.data.dataset import ALBEDO_FILE, SPLITS, read_albedos, read_dataset, split_identities, split_names
 from caricli.errors import CaricliError, InputError
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.provenance import sha256_file
@@ -181,3 +181,18 @@ def test_albedos_are_read_as_the_manifest_says(copy_of_grid):
     rewrite_manifest(copy_of_grid, lambda manifest: manifest.update(albedo=entry))
     with pytest.raises(InputError, match="SHA-256"):
         read_albedos(copy_of_grid)
+
+
+@pytest.mark.parametrize("count", [4, 20, 33, 100])
+def test_somebody_more_leaves_the_others_in_their_splits(count):
+    names = [f"p{k}" for k in range(count)]
+    of = [{names[k]: split for split, own in split_names(names, 0).items() for k in own}]
+    for new in ("adam", "zoe", "p1000", "mia", "uma"):
+        more = sorted([*names, new])
+        of.append({more[k]: split for split, own in split_names(more, 0).items() for k in own})
+        moved = {(of[0][name], of[-1][name]) for name in names if of[0][name] != of[-1][name]}
+        assert sum(of[0][name] != of[-1][name] for name in names) <= 2
+        assert not moved & {("test", "train"), ("train", "test")}
+    counts = [len(split_names(names, seed)["test"]) for seed in range(3)]
+    assert set(counts) == {len(split_identities(range(count), np.random.default_rng(0))["test"])}
+    assert split_names(names, 0) == split_names(names, 0) != split_names(names, 1)
