@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +11,7 @@ import numpy as np
 
 from caricli.data.dataset import split_names
 from caricli.data.expressions import NEUTRAL
-from caricli.data.mesh_names import MeshName, read_level, read_mesh_name
+from caricli.data.mesh_names import MeshName, check_capitals, expression_name, read_level, read_mesh_name
 from caricli.data.units import UNITS, measured_unit
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError, naming, shown
@@ -38,11 +39,17 @@ class Labels:
     """What a table, or the names of files, say about N files.
 
     shown: N MeshNames. names: (A,) of the attributes. values: (N, A) float32.
+    Raises InputError for people or expressions that are others only by their capitals.
     """
 
     shown: tuple[MeshName, ...]
     names: np.ndarray
     values: np.ndarray
+
+    def __post_init__(self) -> None:
+        """Check the names."""
+        check_capitals("people", self.people)
+        check_capitals("expressions", self.expressions)
 
     @property
     def people(self) -> list[str]:
@@ -53,6 +60,15 @@ class Labels:
     def expressions(self) -> list[str]:
         """The names of all expressions, the neutral one first."""
         return list(dict.fromkeys([NEUTRAL, *sorted(name.expression for name in self.shown)]))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is worth knowing of them, a line each."""
+        counts = Counter(name.expression for name in self.shown)
+        if counts[NEUTRAL]:
+            return ()
+        commonest = max(self.expressions, key=counts.__getitem__)
+        return (f"no mesh is {NEUTRAL}: of the expressions train morphable takes the commonest, {commonest}, for none",)
 
     def columns(self) -> dict[str, np.ndarray]:
         """(N,) int32 by the names of a dataset's columns."""
@@ -72,13 +88,15 @@ class ImportSettings:
 
 @dataclass(frozen=True)
 class ImportSummary:
-    """meshes, people, expressions: how many. unit: of UNITS, that the files are in. height: metres, the usual one."""
+    """meshes, people, expressions: how many. unit: of UNITS, that the files are in. height: metres, the usual one.
+    notes: what is worth knowing besides, a line each."""
 
     meshes: int
     people: int
     expressions: int
     unit: str
     height: float
+    notes: tuple[str, ...] = ()
 
     def describe(self) -> str:
         """What is printed of it."""
@@ -109,14 +127,7 @@ def import_dataset(
     for path in files:
         if not is_utf8(path.name):
             raise InputError(f"{shown(path)}: expected a name in UTF-8, found another")
-    first = read_mesh(files[0])
-    if len(files) * first.vertices.size * 4 > MAX_DATASET_BYTES:
-        most = MAX_DATASET_BYTES // (first.vertices.size * 4)
-        raise InputError(f"{mesh_folder}: expected at most {most} such meshes, which fit in memory, found {len(files)}")
-    shapes = np.empty((len(files), *first.vertices.shape), dtype=np.float32)
-    for number, path in enumerate(files):
-        shapes[number] = _vertices_like(path, first, files[0].name)
-        progress(number + 1, len(files))
+    first, shapes = _read_meshes(files, progress)
     heights = np.ptp(shapes[..., 1], axis=1)
     with naming(mesh_folder):
         unit = settings.unit or measured_unit(heights)
@@ -128,7 +139,8 @@ def import_dataset(
         _check_mirror(template)
     parts = read_own_parts(template, annotation_path, np.asarray(first.vertices, float) * UNITS[unit], UNITS[unit])
     template = replace(template, parts=parts)
-    labels = read_labels(labels_path, [path.name for path in files])
+    with naming(labels_path or mesh_folder):
+        labels = read_labels(labels_path, [path.name for path in files])
     columns = labels.columns() | {"file": np.array([path.name for path in files])}
     people = labels.people
     splits = split_names(people, settings.seed)
@@ -142,7 +154,21 @@ def import_dataset(
     manifest |= {"flipped": float(flipped), "splits": splits}
     writer.finish(manifest, {"attributes": labels.names, "measures": labels.values, "labels": labels.values > 0})
     height = float(np.median(heights)) * UNITS[unit]
-    return ImportSummary(len(files), len(people), len(labels.expressions), unit, height)
+    return ImportSummary(len(files), len(people), len(labels.expressions), unit, height, labels.notes)
+
+
+def _read_meshes(files: Sequence[Path], progress: Callable[[int, int], None]) -> tuple[Mesh, np.ndarray]:
+    """The first Mesh of files of one topology, and the vertices (N, V, 3) float32 of all, in the files' own unit."""
+    first = read_mesh(files[0])
+    if len(files) * first.vertices.size * 4 > MAX_DATASET_BYTES:
+        most = MAX_DATASET_BYTES // (first.vertices.size * 4)
+        where = files[0].parent
+        raise InputError(f"{where}: expected at most {most} such meshes, which fit in memory, found {len(files)}")
+    shapes = np.empty((len(files), *first.vertices.shape), dtype=np.float32)
+    for number, path in enumerate(files):
+        shapes[number] = _vertices_like(path, first, files[0].name)
+        progress(number + 1, len(files))
+    return first, shapes
 
 
 def _check_mirror(template: Template) -> None:
@@ -180,6 +206,7 @@ def read_labels(path: Path | None, files: Sequence[str]) -> Labels:
             header, *lines = csv.reader(io.StringIO(text))
         except (csv.Error, ValueError) as error:
             raise InputError(f"expected a CSV, found {error}") from None
+        header = [name.strip() for name in header]
         if "file" not in header or len(set(header)) < len(header):
             raise InputError("expected a CSV with a column 'file' and no column twice")
         return _labels(header, lines, files)
@@ -195,7 +222,7 @@ def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> 
         with naming(f"line {number}"):
             if len(line) != len(header):
                 raise InputError(f"expected {len(header)} columns, found {len(line)}")
-            row = dict(zip(header, line, strict=True))
+            row = {name: cell.strip() for name, cell in zip(header, line, strict=True)}
             file = row["file"]
             if file in values:
                 raise InputError(f"{file!r} comes twice")
@@ -220,12 +247,12 @@ def _shown(row: dict[str, str]) -> MeshName:
     name = MeshName("") if whole else _name_of(row["file"])
     level = read_level(row["level"]) if "level" in row else name.level
     person = row.get("identity") or name.person
-    return MeshName(person, row.get("expression", name.expression) or NEUTRAL, level)
+    return MeshName(person, expression_name(row.get("expression", name.expression) or NEUTRAL), level)
 
 
 def _numbers(texts: list[str]) -> list[float]:
     try:
-        numbers = [parse_number(text.strip(" \t")) for text in texts]
+        numbers = [parse_number(text) for text in texts]
     except ValueError:
         raise InputError("expected a number in every label column") from None
     if not (np.abs(numbers) <= np.finfo(np.float32).max).all():

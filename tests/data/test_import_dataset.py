@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.data.dataset import SPLITS, read_dataset
-from caricli.data.import_dataset import ImportSettings, import_dataset
+from caricli.data.import_dataset import ImportSettings, import_dataset, read_labels
 from caricli.errors import CaricliError, InputError
 from caricli.io import npz
 from caricli.io.meshes.mesh import write_mesh
@@ -294,3 +294,54 @@ def test_a_table_says_expression_and_level(barrels, out, tmp_path):
     csv_of(tmp_path / "l.csv", "file,level", [f"scan_{k:02d}.obj,{k}" for k in range(12)])
     with pytest.raises(InputError, match="line 2: expected a level from 1"):
         import_dataset(barrels[0], out, barrels[2], tmp_path / "l.csv")
+
+
+def test_blanks_around_cells_of_a_table_say_nothing(barrels, out, tmp_path):
+    rows = [
+        f"scan_{k:02d}.obj{' ' * (k % 2)}, p{k // 3}{' ' * (k % 3)},smile{' ' * (k % 2)}, 2 , {k}" for k in range(12)
+    ]
+    labels = csv_of(tmp_path / "l.csv", "file, identity ,expression, level,Smile", rows)
+    import_dataset(barrels[0], out, barrels[2], labels)
+    data = read_dataset(out)
+    np.testing.assert_array_equal(data.identity, np.arange(12) // 3)
+    assert data.manifest["expressions"] == ["neutral", "smile"] and set(data.level.tolist()) == {2}
+    assert data.attributes == ("Smile",)
+
+
+def test_expressions_have_one_spelling():
+    names = ["a__Neutral", "a__JawOpen", "b__jawOpen", "b__eyeBlink_L", "a__eyeBlinkLeft", "NEUTRAL", "Jaw_Open"]
+    labels = read_labels(None, [f"{name}.obj" for name in names])
+    assert labels.expressions == ["neutral", "eyeBlinkLeft", "jawOpen"]
+    assert labels.people == ["a", "b", "generic"] and labels.notes == ()
+    assert [name.expression for name in labels.shown[-2:]] == ["neutral", "jawOpen"]
+
+
+def test_expressions_of_a_table_have_one_spelling(tmp_path):
+    files = ["a.obj", "b.obj", "c.obj"]
+    rows = ["a.obj,anna,Neutral", "b.obj,anna,Jaw Open", "c.obj,bob,jawOpen"]
+    labels = read_labels(csv_of(tmp_path / "l.csv", "file,identity,expression", rows), files)
+    assert labels.expressions == ["neutral", "jawOpen"]
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (["anna", "Anna__smile"], "expected people of one spelling, found 'anna' and 'Anna'"),
+        (["anna__smile", "bob__Smile"], "expected expressions of one spelling, found '[sS]mile' and '[sS]mile'"),
+    ],
+)
+def test_names_that_are_others_by_their_capitals_are_refused(names, said):
+    with pytest.raises(InputError, match=said):
+        read_labels(None, [f"{name}.obj" for name in names])
+
+
+def test_names_that_are_others_by_their_capitals_name_their_folder(barrels, out):
+    renamed(barrels[0], ["anna", "Anna", *"bcdefghijk"])
+    with pytest.raises(InputError, match=r"scans: expected people of one spelling, found 'Anna' and 'anna'"):
+        import_dataset(barrels[0], out, barrels[2])
+
+
+def test_meshes_of_whom_none_is_neutral_are_told(barrels, out):
+    renamed(barrels[0], [f"p{k}__{'smile' if k % 3 else 'jawOpen'}" for k in range(12)])
+    notes = import_dataset(barrels[0], out, barrels[2]).notes
+    assert notes == ("no mesh is neutral: of the expressions train morphable takes the commonest, smile, for none",)

@@ -50,4 +50,4 @@ def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
         progress_bar("meshes") as report,
     ):
         summary = import_dataset(obj_dir, temporary, annotation, labels, ImportSettings(unit, seed), report)
-    echo_result(f"{out}: {summary.describe()}")
+    echo_result(f"{out}: {summary.describe()}", *summary.notes)
