@@ -158,7 +158,8 @@ def import_dataset(
 
 
 def _read_meshes(files: Sequence[Path], progress: Callable[[int, int], None]) -> tuple[Mesh, np.ndarray]:
-    """The first Mesh of files of one topology, and the vertices (N, V, 3) float32 of all, in the files' own unit."""
+    """The first Mesh of files of one topology, with the UVs of the first that has any, and the vertices (N, V, 3)
+    float32 of all, in the files' own unit."""
     first = read_mesh(files[0])
     if len(files) * first.vertices.size * 4 > MAX_DATASET_BYTES:
         most = MAX_DATASET_BYTES // (first.vertices.size * 4)
@@ -166,7 +167,10 @@ def _read_meshes(files: Sequence[Path], progress: Callable[[int, int], None]) ->
         raise InputError(f"{where}: expected at most {most} such meshes, which fit in memory, found {len(files)}")
     shapes = np.empty((len(files), *first.vertices.shape), dtype=np.float32)
     for number, path in enumerate(files):
-        shapes[number] = _vertices_like(path, first, files[0].name)
+        mesh = _mesh_like(path, first, files[0].name)
+        shapes[number] = mesh.vertices
+        if first.uvs is None:
+            first = replace(first, uvs=mesh.uvs, uv_polygons=mesh.uv_polygons)
         progress(number + 1, len(files))
     return first, shapes
 
@@ -180,8 +184,8 @@ def _check_mirror(template: Template) -> None:
             raise InputError(f"mirror: expected meshes whose sides meet at x = 0, found them to meet at {beside:.3g} m")
 
 
-def _vertices_like(path: Path, first: Mesh, name: str) -> np.ndarray:
-    """The vertices of a file, whose topology must be that of the first one, called name."""
+def _mesh_like(path: Path, first: Mesh, name: str) -> Mesh:
+    """The mesh of a file, whose topology must be that of the first one, called name."""
     mesh = read_mesh(path)
     with naming(path):
         if mesh.polygons.shape != first.polygons.shape or len(mesh.vertices) != len(first.vertices):
@@ -190,7 +194,7 @@ def _vertices_like(path: Path, first: Mesh, name: str) -> np.ndarray:
             raise InputError(f"expected the topology of {name} ({expected}), found {given}")
         if not np.array_equal(mesh.polygons, first.polygons):
             raise InputError(f"expected the faces of {name}, found others")
-    return mesh.vertices
+    return mesh
 
 
 def read_labels(path: Path | None, files: Sequence[str]) -> Labels:

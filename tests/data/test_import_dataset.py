@@ -95,6 +95,16 @@ def test_meshes_without_uvs_and_with_other_files_beside_them(barrel, barrels, ou
     assert read_dataset(out).template.uvs is None
 
 
+def test_uvs_are_those_of_the_first_file_that_has_any(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    for number in (0, 1):
+        write_obj(folder / f"scan_{number:02d}.obj", Mesh(shapes[number], barrel.mesh.polygons))
+    import_dataset(folder, out, annotation)
+    template = read_dataset(out).template
+    np.testing.assert_allclose(template.uvs, barrel.mesh.uvs, atol=1e-9)
+    np.testing.assert_array_equal(template.uv_polygons, barrel.mesh.uv_polygons)
+
+
 def test_labels_and_people_come_from_the_csv(barrels, out, tmp_path):
     rows = [f"scan_{k:02d}.obj,person{k // 3},{k - 5.5},{k % 2}" for k in range(12)]
     labels = csv_of(tmp_path / "labels.csv", "file,identity,BigNose,Smile", rows[::-1])

@@ -30,11 +30,11 @@ from caricli.io.outputs import staged_folder
 def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
     """Import a folder of meshes that share one topology: OBJ files, or else PLY, STL, GLB or glTF.
 
-    Vertex count, quads and UV seams are free, and the order of vertices is kept. The first file by name gives faces and
-    UVs; the template is the mean shape. Whom a file shows, with which expression and how exaggerated (level 1 is not),
-    is in the table, or else in its name, such as anna__jawOpen__2.obj, anna__jawOpen.obj, anna.obj. The unit is told by
-    how high the heads are; the dataset is in metres. Names and seed say who is trained with and who tests, so that most
-    stay where they were when others come in.
+    Vertex count, quads and UV seams are free, and the order of vertices is kept. The first file by name gives faces,
+    and the first that has UVs gives these; the template is the mean shape. Whom a file shows, with which expression and
+    how exaggerated (level 1 is not), is in the table, or else in its name, such as anna__jawOpen__2.obj,
+    anna__jawOpen.obj, anna.obj. The unit is told by how high the heads are; the dataset is in metres. Names and seed
+    say who is trained with and who tests, so that most stay where they were when others come in.
 
     \b
     Example:
