@@ -17,7 +17,7 @@ from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.io.files import is_utf8, read_text
-from caricli.io.meshes.mesh import mesh_files, read_mesh
+from caricli.io.meshes.mesh import is_mesh_file, mesh_files, read_mesh
 from caricli.io.npz import npz_holds
 from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import read_json
@@ -154,7 +154,15 @@ def import_dataset(
     manifest |= {"flipped": float(flipped), "splits": splits}
     writer.finish(manifest, {"attributes": labels.names, "measures": labels.values, "labels": labels.values > 0})
     height = float(np.median(heights)) * UNITS[unit]
-    return ImportSummary(len(files), len(people), len(labels.expressions), unit, height, labels.notes)
+    notes = (*_left_out(mesh_folder, files), *labels.notes)
+    return ImportSummary(len(files), len(people), len(labels.expressions), unit, height, notes)
+
+
+def _left_out(folder: Path, files: Sequence[Path]) -> list[str]:
+    """A line about the meshes of other formats than that of the files, where the folder has any."""
+    others = sum(map(is_mesh_file, folder.iterdir())) - len(files)
+    suffix = files[0].suffix.lower()
+    return [f"{folder}: took {len(files)} {suffix} files, left out {others} meshes of other formats"] if others else []
 
 
 def _read_meshes(files: Sequence[Path], progress: Callable[[int, int], None]) -> tuple[Mesh, np.ndarray]:

@@ -61,6 +61,17 @@ def test_other_formats_come_in_where_there_is_no_obj(barrels, out, tmp_path):
     assert data.factors["file"][0] == "scan_00.ply"
 
 
+def test_meshes_of_other_formats_that_are_left_out_are_told(barrels, out):
+    folder, _, annotation = barrels
+    for number in (0, 1, 2):
+        path = folder / f"scan_{number:02d}.obj"
+        write_mesh(path.with_suffix(".ply"), read_obj(path))
+        path.unlink()
+    summary = import_dataset(folder, out, annotation)
+    assert summary.meshes == 9
+    assert summary.notes == (f"{folder}: took 9 .obj files, left out 3 meshes of other formats",)
+
+
 def test_meshes_too_large_for_one_file_are_written_into_several(barrels, out, monkeypatch):
     folder, shapes, annotation = barrels
     monkeypatch.setattr(npz, "MAX_NPZ_BYTES", 7000)

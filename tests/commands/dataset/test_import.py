@@ -5,6 +5,7 @@ import pytest
 
 from caricli.data.dataset import read_dataset
 from caricli.errors import InputError
+from caricli.io.meshes.mesh import write_mesh
 from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.strict_json import write_json
 from caricli.methods.parts.attachment import attachment_for
@@ -65,6 +66,17 @@ def test_bad_input_is_one_line_and_leaves_nothing(run, refused, eggs, annotation
     check("1.obj", "0.obj")
     sorted_names = sorted(path.name for path in tmp_path.iterdir())
     assert sorted_names == ["l.csv", "scans"]
+
+
+def test_what_is_left_out_and_lacking_is_told(run, eggs, annotation, tmp_path):
+    scans = tmp_path / "scans"
+    scans.mkdir()
+    for number, path in enumerate(sorted(eggs.glob("*.obj"))):
+        (scans / f"{number}__smile.obj").write_bytes(path.read_bytes())
+    write_mesh(scans / "a.ply", read_obj(path))
+    result = run("dataset", "import", scans, tmp_path / "d", "--annotation", annotation)
+    assert result.exit_code == 0, result.output
+    assert "left out 1 meshes of other formats" in result.stderr and "no mesh is neutral" in result.stderr
 
 
 def test_an_output_is_never_an_input(refused, eggs, annotation, tmp_path):
