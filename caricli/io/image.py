@@ -4,11 +4,12 @@ import ctypes
 import hashlib
 import io
 import warnings
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,6 +26,7 @@ _packing = Lock()  # files of a head are written beside each other
 _WHITES = (1.0, 255.0, 65535.0)  # levels that white has in greys of 32 bits
 _OVER = 1.5  # of white: what sharpening and resampling leave of fractions at most
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
+_Taken = TypeVar("_Taken")
 _BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*")
 _WEBP = slice(8, 12)
 
@@ -48,28 +50,15 @@ def read_image(path: str | Path, any_ink: bool = False, opaque: bool = False) ->
     Returns (H,W,3) uint8.
     Raises InputError when it is no such picture, damaged, or too large; its size is checked before it is decoded.
     """
-    from PIL import Image, ImageOps
+    return _decoded(path, lambda image, pillow: _rgb(image, pillow, any_ink, opaque))
 
-    data = read_bytes(path, MAX_IMAGE_BYTES, "an image")
-    _silence_libtiff()
-    try:
-        # Pillow warns of sizes above a cap of its own; the cap here is lower and refuses.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
-                width, height = image.size
-                check_size(path, width, height)
-                image.load()
-                with naming(path):
-                    return _rgb(ImageOps.exif_transpose(image), Image, any_ink, opaque)
-    except InputError:
-        raise
-    except Image.UnidentifiedImageError:
-        kind = content_kind(data) or "another kind of file"
-        raise InputError(f"{shown(path)}: expected a PNG, JPEG, WebP, BMP, TIFF or GIF image, found {kind}") from None
-    # Pillow's decoders raise whatever they meet (SyntaxError, struct.error, ...); all of it means a damaged file.
-    except Exception as error:
-        raise InputError(f"{shown(path)}: expected an image, found a damaged one: {shown(error, 120)}") from error
+
+def read_alpha(path: str | Path) -> np.ndarray | None:
+    """How opaque the pixels of a picture are, (H, W) uint8, or None where the file does not say it.
+
+    path: as in `read_image`, which says what is refused, too; it is turned upright alike.
+    """
+    return _decoded(path, _alpha)
 
 
 def check_size(path: str | Path, width: int, height: int) -> None:
@@ -135,6 +124,32 @@ def gray_png(image: np.ndarray) -> bytes:
     return stream.getvalue()
 
 
+def _decoded(path: str | Path, take: Callable[[Any, Any], _Taken]) -> _Taken:
+    """What is taken of a picture that was checked, decoded and turned upright, by a function that also gets Pillow."""
+    from PIL import Image, ImageOps
+
+    data = read_bytes(path, MAX_IMAGE_BYTES, "an image")
+    _silence_libtiff()
+    try:
+        # Pillow warns of sizes above a cap of its own; the cap here is lower and refuses.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
+                width, height = image.size
+                check_size(path, width, height)
+                image.load()
+                with naming(path):
+                    return take(ImageOps.exif_transpose(image), Image)
+    except InputError:
+        raise
+    except Image.UnidentifiedImageError:
+        kind = content_kind(data) or "another kind of file"
+        raise InputError(f"{shown(path)}: expected a PNG, JPEG, WebP, BMP, TIFF or GIF image, found {kind}") from None
+    # Pillow's decoders raise whatever they meet (SyntaxError, struct.error, ...); all of it means a damaged file.
+    except Exception as error:
+        raise InputError(f"{shown(path)}: expected an image, found a damaged one: {shown(error, 120)}") from error
+
+
 def _rgb(image: Any, pillow: Any, any_ink: bool, opaque: bool) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         image = _grey(image, pillow)
@@ -143,6 +158,12 @@ def _rgb(image: Any, pillow: Any, any_ink: bool, opaque: bool) -> np.ndarray:
         paper = "black" if any_ink and _is_bright(image) else "white"
         image = pillow.alpha_composite(pillow.new("RGBA", image.size, paper), image)
     return np.array(image.convert("RGB"))
+
+
+def _alpha(image: Any, pillow: Any) -> np.ndarray | None:
+    if image.mode.startswith("I") or image.mode == "F":
+        image = _grey(image, pillow)
+    return np.array(image.convert("RGBA").getchannel("A")) if image.has_transparency_data else None
 
 
 def _grey(image: Any, pillow: Any) -> Any:

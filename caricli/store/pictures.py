@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.image import is_image_file, read_image
+from caricli.io.image import is_image_file, read_alpha, read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.io.parsing import read_parsing
 from caricli.structures import Landmarks
@@ -32,7 +32,7 @@ _ELSEWHERE = {
 """What the labels are here that CelebAMask-HQ calls otherwise."""
 
 _WHITE = 127
-"""Grey above which a pixel of a mask is white."""
+"""Grey above which a pixel of a mask is white, and alpha above which it is opaque."""
 
 
 def pictures_in(folder: Path) -> list[Path]:
@@ -116,13 +116,23 @@ def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | N
 
 
 def load_mask(path: Path, size: tuple[int, int]) -> np.ndarray:
-    """(H, W) bool: where a mask is white.
+    """(H, W) bool: where a mask is white, or where it is opaque if parts of it are transparent.
 
-    path: of the mask. size: (width, height) of the picture that it is of. Raises InputError for another size.
+    path: of the mask. size: (width, height) of the picture that it is of.
+    Raises InputError for another size, and where the mask is one all over.
     """
     mask = read_image(path)
     _check_size(path, mask, size)
-    return mask.mean(2) > _WHITE
+    alpha = read_alpha(path)
+    kinds = ("white", "black")
+    head = mask.mean(2) > _WHITE
+    if alpha is not None and alpha.min() < alpha.max():
+        kinds = ("opaque", "transparent")
+        head = alpha > _WHITE
+    if head.all() or not head.any():
+        alone = kinds[0] if head.all() else kinds[1]
+        raise InputError(f"{shown(path)}: expected a mask {kinds[0]} where the head is alone, found all of it {alone}")
+    return head
 
 
 def load_regions(path: Path, size: tuple[int, int]) -> np.ndarray:

@@ -115,6 +115,33 @@ def test_a_mask_is_where_it_is_white(tmp_path):
         load_mask(path, (WIDTH, HEIGHT + 1))
 
 
+@pytest.mark.parametrize("around", [0, 255])
+def test_a_mask_with_transparency_is_where_it_is_opaque(tmp_path, around):
+    from PIL import Image
+
+    head = np.zeros((HEIGHT, WIDTH), bool)
+    head[10:60, 20:70] = True
+    colours = np.full((HEIGHT, WIDTH, 4), around, np.uint8)
+    colours[head] = [90, 60, 40, 255]
+    colours[~head, 3] = 0
+    path = tmp_path / "mask.png"
+    for kind in ("RGBA", "LA"):
+        Image.fromarray(colours).convert(kind).save(path)
+        np.testing.assert_array_equal(load_mask(path, (WIDTH, HEIGHT)), head)
+    opaque = np.dstack([np.where(head[..., None], 255, 0).repeat(3, 2), np.full(head.shape, 255)])
+    Image.fromarray(opaque.astype(np.uint8)).save(path)
+    np.testing.assert_array_equal(load_mask(path, (WIDTH, HEIGHT)), head)
+
+
+@pytest.mark.parametrize(("level", "colour"), [(0, "black"), (255, "white")])
+def test_a_mask_of_one_colour_is_refused(tmp_path, level, colour):
+    path = tmp_path / "mask.png"
+    write_png(path, np.full((HEIGHT, WIDTH, 3), level, np.uint8))
+    said = f"mask.png: expected a mask white where the head is alone, found all of it {colour}"
+    with pytest.raises(InputError, match=said):
+        load_mask(path, (WIDTH, HEIGHT))
+
+
 def test_regions_are_labels_by_the_names_of_either_kind(tmp_path):
     from PIL import Image
 
