@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.used_points import used_points
 from caricli.render.backdrop import on_backdrop
 from caricli.render.coat import rig_coat
 from caricli.render.face_look import combed_hair, plain_colours
@@ -40,10 +41,11 @@ class RigStage:
         self.rig = rig
         self.size = size
         self.rotation = TO_PICTURE @ turn_about_y(VIEWS[view])
-        neutral = rig.neutral @ self.rotation.T
+        neutral = used_points(rig.neutral, rig.faces) @ self.rotation.T
         low = neutral.min(0)
         high = neutral.max(0)
         self.scale = _FILL * size / ((high - low)[:2].max() or 1)
+        self.least = _STILL * np.ptp(neutral[:, 1])
         self.shift = np.array([(size - 1) / 2, (size - 1) / 2, 0]) - self.scale * (low + high) / 2
         hair = combed_hair(rig.mesh, rig.triangle_materials)
         normals = smooth_normals(rig.neutral, rig.faces)
@@ -76,7 +78,7 @@ class RigStage:
         if vertices.shape != self.rig.neutral.shape:
             expected = self.rig.neutral.shape
             raise InputError(f"a frame of this rig needs vertices of shape {expected}, found {vertices.shape}")
-        moved = np.linalg.norm(vertices - self.rig.neutral, axis=1) > _STILL * np.ptp(self.rig.neutral[:, 1])
+        moved = np.linalg.norm(vertices - self.rig.neutral, axis=1) > self.least
         look = replace(self.look, hidden=self.hidden & (moved | ~self.shown))
         if skin is not None and look.coat is not None:
             worn = replace(look.coat.pictures, skin=skin)

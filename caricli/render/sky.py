@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from caricli.geometry.used_points import used_points
 from caricli.render.in_parallel import in_parallel
 from caricli.render.load_kernels import load_kernels
 from caricli.render.smooth_normals import smooth_normals
@@ -63,8 +64,9 @@ def sky_visibility(
     around = slice(None) if ids is None else ids
     seen = np.zeros((len(points[around]), len(directions)), np.float32)
     if len(triangles) and len(seen):
-        size = float(np.linalg.norm(np.ptp(points, axis=0)))
-        points = (points - points.mean(0)) / np.float32(size or 1)
+        surface = used_points(points, triangles)
+        size = float(np.linalg.norm(np.ptp(surface, axis=0)))
+        points = (points - surface.mean(0)) / np.float32(size or 1)
         mesh = wp_mesh(points, triangles)
         rays = kernels.Rays()
         rays.mesh = mesh.id

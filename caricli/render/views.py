@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.used_points import used_points
 from caricli.render.in_parallel import in_parallel
 from caricli.render.shade import Look, shade
 from caricli.render.sky import mesh_sky
@@ -59,10 +60,12 @@ def turntable(mesh: Mesh, frames: int, size: int = 512, look: Look | None = None
 def _turned(mesh: Mesh, angles: Sequence[float], size: int, look: Look, centred: bool) -> Iterator[np.ndarray]:
     """Pictures of a head turned by angles in degrees, each centred, or all about the middle of the head."""
     vertices = np.asarray(mesh.vertices, float)
-    middle = (vertices.min(0) + vertices.max(0)) / 2
+    drawn = used_points(vertices, mesh.faces)
+    middle = (drawn.min(0) + drawn.max(0)) / 2
     vertices = vertices - middle
+    drawn = drawn - middle
     rotations = [TO_PICTURE @ turn_about_y(angle) for angle in angles]
-    extents = [(v.min(0)[:2], v.max(0)[:2]) for v in (vertices @ r.T for r in rotations)]
+    extents = [(v.min(0)[:2], v.max(0)[:2]) for v in (drawn @ r.T for r in rotations)]
     if centred:
         widest = max((np.ptp(e, axis=0).max() for e in extents), default=0)
     else:

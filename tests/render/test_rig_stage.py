@@ -206,3 +206,17 @@ def test_hair_is_shaded_as_it_is_combed(rig, monkeypatch):
     stage = RigStage(rig, "front", 96)
     assert stage.look.hair is not None
     assert stage.picture(rig.neutral)[30:66, 14:34].mean(2).std() < 0.9 * usual.std()
+
+
+def test_vertices_without_triangles_change_no_picture(rig):
+    mesh = rig.mesh
+    stray = np.vstack([mesh.vertices, [[5, 5, 5]]]).astype(np.float32)
+    more = Rig(
+        rig.names,
+        Mesh(stray, mesh.faces, mesh.uvs, mesh.uv_faces),
+        np.zeros((1, *stray.shape), np.float32),
+        rig.materials,
+        rig.pictures,
+    )
+    picture = RigStage(rig, "front", 64).picture(rig.neutral)
+    np.testing.assert_array_equal(RigStage(more, "front", 64).picture(more.neutral), picture)

@@ -78,3 +78,12 @@ def test_eyes_look_where_the_head_looks(sphere, view, side):
     inner = picture[20:76, 12:84, :3].max(-1)
     middle = (np.nonzero(inner < 120)[1].mean() - 35.5) / (0.46 * 96)
     assert middle == pytest.approx(side * np.sin(np.radians(35)), abs=0.15)
+
+
+def test_vertices_without_triangles_change_no_picture(lopsided):
+    vertices, faces = lopsided
+    stray = Mesh(np.vstack([vertices, [[50.0, 50, 50]]]), faces)
+    for picture, other in zip(render_views(Mesh(vertices, faces), size=64), render_views(stray, size=64), strict=True):
+        np.testing.assert_array_equal(picture, other)
+    for picture, other in zip(turntable(Mesh(vertices, faces), 3, 64), turntable(stray, 3, 64), strict=True):
+        np.testing.assert_array_equal(picture, other)
