@@ -5,6 +5,7 @@ from copy import copy
 import numpy as np
 import scipy.sparse as sp
 
+from caricli.errors import InputError
 from caricli.methods.texture.fill_unseen import FEATURES
 from caricli.methods.texture.picture_view import SurfacePoints
 from caricli.render.visibility.uv_map import pad_texture, uv_map
@@ -20,9 +21,13 @@ class Texels:
     """
 
     def __init__(self, head: Mesh, size: int) -> None:
-        """head: Mesh with UVs, in any shape. size: texels, width and height of the texture."""
+        """head: Mesh with UVs, in any shape. size: texels, width and height of the texture. Raises InputError when the
+        UVs cover none of them.
+        """
         face, weights = uv_map(head, size)
         self.covered = face >= 0
+        if not self.covered.any():
+            raise InputError(f"expected UVs that cover some of {size} x {size} texels, found some that cover none")
         self.corners = head.faces[face[self.covered]].astype(np.int32)
         self.weights = weights[self.covered]
         self.count = len(head.vertices)
