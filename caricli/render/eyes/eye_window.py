@@ -31,7 +31,8 @@ def eye_windows(image: np.ndarray, points: np.ndarray, side: float) -> Iterator[
     pixels = round(side * WIDTH)
     for eye in (EYE_RIGHT, EYE_LEFT):
         outline = points[list(eye)]
-        width = np.ptp(outline, axis=0).max()
+        # Of its corners, so that a tilted face has the same eyes.
+        width = float(np.linalg.norm(outline[3] - outline[0]))
         middle = outline.mean(0)
         if not (width > 1 and (middle >= 0).all() and (middle < image.shape[1::-1]).all()):
             continue

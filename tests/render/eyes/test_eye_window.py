@@ -34,3 +34,13 @@ def test_eyes_that_are_not_known_or_beside_the_picture_have_none(face):
     for shift in ([100, 0], [-70, 0], [0, 60], [0, -60]):
         assert len(list(eye_windows(image, points + shift, 2.0))) == 1
     assert list(eye_windows(image, points + 500, 2.0)) == []
+
+
+@pytest.mark.parametrize("degrees", [20, 45, 90])
+def test_a_tilted_eye_is_as_wide_as_an_upright_one(face, degrees):
+    image, points = face
+    turn = np.array([[np.cos(a := np.radians(degrees)), np.sin(a)], [-np.sin(a), np.cos(a)]])
+    middle = points[36:42].mean(0)
+    upright = next(eye_windows(image, points, 2.0))
+    tilted = next(eye_windows(image, (points - middle) @ turn + middle, 2.0))
+    assert tilted.zoom == pytest.approx(upright.zoom)
