@@ -16,6 +16,7 @@ _PAINT = (*HEAD_REGIONS, Region.HAIR)
 _WORN = (Region.GLASSES, Region.HAT)
 _AROUND = 0.006  # of the mesh's height in the picture: border of a collar, and least half of a neck's breadth
 _REACH = 0.04  # of the same: so near to what is behind a head its region may show this
+_SPECK = 3  # pixels that differ from those around them by chance, as of a drawing's grain
 _LEAST = 0.2  # of what the mesh covers: with less skin and hair in it, this head was not seen
 
 
@@ -72,7 +73,10 @@ def _behind(regions: np.ndarray, head: np.ndarray, image: np.ndarray, reach: flo
     inside, outside = (
         mean_colours(image, part, reach) for part in (skin & ~near, back & (distance_to(head) > reach / 2))
     )
-    return of_another_colour(image, near, inside, outside)
+    behind = of_another_colour(image, near, inside, outside)
+    # What touches what is behind the head is its border, however small.
+    parts, _ = label(behind | back, np.ones((3, 3)))
+    return behind & (np.bincount(parts.ravel()) > _SPECK)[parts]
 
 
 def _bare_neck(regions: np.ndarray, head: np.ndarray, collar: np.ndarray, around: int) -> np.ndarray:

@@ -100,3 +100,18 @@ def test_what_is_behind_the_head_is_no_paint_at_its_border(image):
     assert head.paint[25:175, 45:155].all() and head.paint[60:100, 150:160].all()
     picture[:] = image[0, 0]
     assert parsed_head(regions, pixels, picture).paint[pixels].all()
+
+
+def test_a_speck_punches_no_hole_but_one_at_the_border_is_no_paint(image):
+    paper = (240, 240, 240)
+    regions = np.full((200, 200), Region.BACKGROUND, np.uint8)
+    regions[20:180, 40:160] = Region.SKIN
+    picture = np.full((200, 200, 3), paper, np.uint8)
+    picture[20:180, 40:160] = image[0, 0]
+    picture[100, 42] = paper
+    picture[120:122, 155] = paper
+    picture[60, 40:43] = paper
+    picture[140:150, 41:43] = paper
+    paint = parsed_head(regions, regions == Region.SKIN, picture).paint
+    assert paint[100, 42] and paint[120:122, 155].all()
+    assert not paint[60, 40:43].any() and not paint[141:149, 41:43].any()
