@@ -26,6 +26,7 @@ _packing = Lock()  # files of a head are written beside each other
 _WHITES = (1.0, 255.0, 65535.0)  # levels that white has in greys of 32 bits
 _OVER = 1.5  # of white: what sharpening and resampling leave of fractions at most
 _FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF")
+_PROFILED = ("RGB", "RGBA", "P", "CMYK")  # modes whose colours a profile says
 _Taken = TypeVar("_Taken")
 _BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*")
 _WEBP = slice(8, 12)
@@ -42,8 +43,9 @@ def is_image_file(path: str | Path) -> bool:
 def read_image(path: str | Path, any_ink: bool = False, opaque: bool = False) -> np.ndarray:
     """Read a picture as RGB.
 
-    It is turned upright as its EXIF orientation says; transparent pixels are laid over white paper; of an animation
-    the first frame is read; greys of more bits, up to 1, 255 or 65535 by how bright they are, are scaled to 8 bits.
+    It is turned upright as its EXIF orientation says; colours are turned into those of sRGB where an embedded profile
+    says others; transparent pixels are laid over white paper; of an animation the first frame is read; greys of more
+    bits, up to 1, 255 or 65535 by how bright they are, are scaled to 8 bits.
     path: a PNG, JPEG, WebP, BMP, TIFF or GIF of at most MAX_IMAGE_PIXELS, at most MAX_IMAGE_SIDE wide or high. any_ink:
     whether transparent pixels are laid over black paper where what is drawn is nearly white. opaque: whether pixels
     keep their colours, however transparent they are.
@@ -153,11 +155,29 @@ def _decoded(path: str | Path, take: Callable[[Any, Any], _Taken]) -> _Taken:
 def _rgb(image: Any, pillow: Any, any_ink: bool, opaque: bool) -> np.ndarray:
     if image.mode.startswith("I") or image.mode == "F":
         image = _grey(image, pillow)
+    image = _in_srgb(image)
     if image.has_transparency_data and not opaque:
         image = image.convert("RGBA")
         paper = "black" if any_ink and _is_bright(image) else "white"
         image = pillow.alpha_composite(pillow.new("RGBA", image.size, paper), image)
     return np.array(image.convert("RGB"))
+
+
+def _in_srgb(image: Any) -> Any:
+    """A picture in the colours of sRGB where it has others by its profile; one that cannot be read says nothing."""
+    from PIL import ImageCms
+
+    embedded = image.info.get("icc_profile")
+    if not embedded or image.mode not in _PROFILED:
+        return image
+    with suppress(OSError, ImageCms.PyCMSError):
+        profile = ImageCms.getOpenProfile(io.BytesIO(embedded))
+        if not ImageCms.getProfileDescription(profile).startswith("sRGB"):
+            if image.mode in ("RGB", "P"):
+                image = image.convert("RGBA" if image.has_transparency_data else "RGB")
+            mode = "RGBA" if image.mode == "RGBA" else "RGB"
+            return ImageCms.profileToProfile(image, profile, ImageCms.createProfile("sRGB"), outputMode=mode)
+    return image
 
 
 def _alpha(image: Any, pillow: Any) -> np.ndarray | None:

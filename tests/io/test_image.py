@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from PIL import Image
+from PIL import Image, ImageCms
 
 from caricli.errors import InputError, OutputError
 from caricli.io import image as image_module
@@ -188,3 +188,39 @@ def test_what_another_thread_puts_in_the_place_of_a_picture_takes_it_from_nobody
 
     monkeypatch.setattr(image_module, "_packed", Crowded())
     np.testing.assert_array_equal(np.array(Image.open(io.BytesIO(png_bytes(GRADIENT)))), GRADIENT)
+
+
+def profile_with_red_and_green_exchanged(name):
+    """An ICC profile of RGB whose first channel is sRGB's green, and its second red."""
+    profile = bytearray(ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes())
+    for entry in range(132, 132 + 12 * int.from_bytes(profile[128:132], "big"), 12):
+        tag = bytes(profile[entry : entry + 4])
+        profile[entry : entry + 4] = {b"rXYZ": b"gXYZ", b"gXYZ": b"rXYZ"}.get(tag, tag)
+    return bytes(profile).replace("sRGB".encode("utf-16-be"), name.encode("utf-16-be"))
+
+
+@pytest.mark.parametrize("mode", ["RGB", "RGBA", "P"])
+def test_colours_are_those_of_an_embedded_profile(tmp_path, mode):
+    other = profile_with_red_and_green_exchanged("Swap")
+    source = Image.new("RGB", (3, 2), (204, 51, 0)).convert(mode)
+    source.save(tmp_path / "a.png", icc_profile=other)
+    assert np.abs(read_image(tmp_path / "a.png").astype(int) - [51, 204, 0]).max() <= 1
+    source.save(tmp_path / "a.png", icc_profile=profile_with_red_and_green_exchanged("sRGB"))
+    assert read_image(tmp_path / "a.png")[0, 0].tolist() == [204, 51, 0]
+    source.save(tmp_path / "a.png", icc_profile=other[:200])
+    assert read_image(tmp_path / "a.png")[0, 0].tolist() == [204, 51, 0]
+
+
+def test_transparent_pixels_stay_so_whatever_their_profile(tmp_path):
+    image = np.zeros((2, 2, 4), np.uint8)
+    image[0, 0] = [204, 51, 0, 255]
+    profile = profile_with_red_and_green_exchanged("Swap")
+    Image.fromarray(image).save(tmp_path / "a.png", icc_profile=profile)
+    colours = read_image(tmp_path / "a.png").astype(int)
+    assert np.abs(colours[0, 0] - [51, 204, 0]).max() <= 1 and (colours[1] == 255).all()
+
+
+def test_a_grey_keeps_its_levels_whatever_its_profile(tmp_path):
+    grey = Image.fromarray(np.arange(0, 250, 10, dtype=np.uint8).reshape(5, 5))
+    grey.save(tmp_path / "a.png", icc_profile=profile_with_red_and_green_exchanged("Swap"))
+    np.testing.assert_array_equal(read_image(tmp_path / "a.png")[..., 0], np.asarray(grey))
