@@ -30,8 +30,9 @@ class Frames:
 
 
 def plain_frames(part: Part) -> Frames:
-    """Frames of a part of which nothing but its place is known: points spread over it."""
+    """Frames of a part of which nothing but its place is known: points spread over it, however it is numbered."""
     vertices = np.asarray(part.mesh.vertices, float)
+    vertices = vertices[np.lexsort(vertices.T)]
     points = vertices[np.linspace(0, len(vertices) - 1, min(_POINTS, len(vertices))).astype(int)]
     return Frames(points, (np.zeros((0, 0, 3)), np.zeros((0, len(points), 3))))
 
