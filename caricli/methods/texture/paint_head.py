@@ -209,6 +209,8 @@ def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:
     """The Texels of a template, or None, see `_Groundwork`."""
     if settings.size is None or settings.project_uv or template.uvs is None:
         return None
+    # First, because UVs far beyond the texture cover none of its texels, either.
+    _check_uvs(template.uvs)
     return Texels(template, settings.size)
 
 
@@ -218,10 +220,15 @@ def _laid_out(head: Template, picture: HeadPicture, settings: PaintSettings) -> 
         return project_picture(head, picture.face.require_camera(), picture.image)
     if head.uvs is None:
         raise InputError("expected a model whose mesh has UVs, found none; --project-uv needs none")
-    least, most = head.uvs.min(), head.uvs.max()
+    _check_uvs(head.uvs)
+    return head
+
+
+def _check_uvs(uvs: np.ndarray) -> None:
+    """Raise InputError for UVs (T, 2) beyond the texture."""
+    least, most = uvs.min(), uvs.max()
     if least < -_BESIDE or most > 1 + _BESIDE:
         raise InputError(f"expected a mesh whose UVs are from 0 to 1, found them from {least:.3g} to {most:.3g}")
-    return head
 
 
 def _skin_texture(head: Template, ground: _Groundwork, settings: PaintSettings) -> FaceTexture:
