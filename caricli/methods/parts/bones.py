@@ -9,7 +9,7 @@ from caricli.geometry.alignment.axis_similarity import axis_similarity
 from caricli.methods.parts.clear_way import Bends, clear_way
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
-from caricli.methods.parts.frames import Frames, mirrored_choice, surroundings
+from caricli.methods.parts.frames import Frames, surroundings
 from caricli.methods.parts.guides import Guides
 from caricli.methods.parts.incisors import BEHIND_LIPS, Incisors, incisors_of
 from caricli.methods.parts.jaw import STILL, Jaw
@@ -88,7 +88,7 @@ class Bone:
         teeth = np.unique(part.mesh.polygons[part.materials == Material.TEETH])
         # Gums and tongue give way where teeth do not.
         firm = teeth[teeth >= 0] if len(teeth) else np.arange(len(self.shape))
-        self.firm = firm[mirrored_choice(self.shape[firm], _FIRM)]
+        self.firm = firm[:: max(len(firm) // _FIRM, 1)]
         self.room = UPPER if self.incisors is not None and not self.incisors.row else RoomSettings()
         self.moves = room_moves(self.shape, self.firm)
         self.guides = Guides(self.shape, AROUND * template.height)

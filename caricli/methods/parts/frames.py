@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from caricli.structures import Part
 from caricli.template.template import Template
@@ -36,16 +35,6 @@ def plain_frames(part: Part) -> Frames:
     vertices = vertices[np.lexsort(vertices.T)]
     points = vertices[np.linspace(0, len(vertices) - 1, min(_POINTS, len(vertices))).astype(int)]
     return Frames(points, (np.zeros((0, 0, 3)), np.zeros((0, len(points), 3))))
-
-
-def mirrored_choice(points: np.ndarray, most: int) -> np.ndarray:
-    """Sorted ids (N,) of about so many points (M, 3) at most, by their places, and with each the one that faces it.
-
-    So neither numbers nor sides decide which are chosen. ``most`` is exceeded where points face none of each other.
-    """
-    order = np.lexsort(points.T)
-    chosen = order[:: max(2 * len(points) // most, 1)]
-    return np.union1d(chosen, KDTree(points).query(points[chosen] * [-1, 1, 1])[1])
 
 
 def surroundings(template: Template, part: Part) -> np.ndarray:

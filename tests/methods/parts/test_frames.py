@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.methods.parts.frames import mirrored_choice, plain_frames
+from caricli.methods.parts.frames import plain_frames
 from caricli.template.head import load_head
 from caricli.template.head_parts import head_parts
 
@@ -15,14 +15,3 @@ def test_points_of_a_part_are_the_same_however_its_vertices_are_numbered():
     points = plain_frames(part).points
     np.testing.assert_array_equal(plain_frames(other).points, points)
     assert (np.ptp(points, axis=0) > 0.8 * np.ptp(part.mesh.vertices, axis=0)).all()
-
-
-def test_what_is_chosen_hangs_on_neither_numbers_nor_sides():
-    half = np.random.default_rng(0).uniform(0.1, 1, (300, 3))
-    points = np.concatenate([half, half * [-1, 1, 1]])
-    chosen = mirrored_choice(points, 80)
-    assert 40 < len(chosen) < 200
-    np.testing.assert_array_equal(np.sort((chosen + 300) % 600), chosen)
-    order = np.random.default_rng(1).permutation(600)
-    np.testing.assert_array_equal(np.sort(order[mirrored_choice(points[order], 80)]), chosen)
-    np.testing.assert_array_equal(mirrored_choice(points, 600), np.arange(600))
