@@ -124,14 +124,14 @@ def load_mask(path: Path, size: tuple[int, int]) -> np.ndarray:
     mask = read_image(path)
     _check_size(path, mask, size)
     alpha = read_alpha(path)
-    kinds = ("white", "black")
+    colour = "white"
     head = mask.mean(2) > _WHITE
     if alpha is not None and alpha.min() < alpha.max():
-        kinds = ("opaque", "transparent")
+        colour = "opaque"
         head = alpha > _WHITE
     if head.all() or not head.any():
-        alone = kinds[0] if head.all() else kinds[1]
-        raise InputError(f"{shown(path)}: expected a mask {kinds[0]} where the head is alone, found all of it {alone}")
+        where = f"all of it {colour}" if head.all() else "none there"
+        raise InputError(f"{shown(path)}: expected a mask that is {colour} where the head is, found {where}")
     return head
 
 

@@ -32,7 +32,7 @@ from caricli.io.face import read_face, read_picture_names, write_face
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.gltf.write_gltf import write_gltf
-from caricli.io.image import read_image
+from caricli.io.image import read_alpha, read_image
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.meshes.mesh import MESH_SUFFIXES, read_mesh, write_mesh
 from caricli.io.meshes.mtl import material_pictures
@@ -635,6 +635,7 @@ def _all() -> list[Reader]:
             _picture("TIFF", "1", compression="group4"), _picture("GIF"), _picture("TIFF", "I"),
             _picture("BMP"),
         )),
+        Reader("mask.img", read_alpha, (_picture("PNG", "RGBA"), _picture("PNG", "P"), _picture("TIFF", "I"))),
         Reader("parsing.png", read_parsing, (_picture_of_eyes,)),
         Reader("legend.json", read_legend, (_json({"schema": "caricli.parsing/1", "labels": {"skin": 1}}),)),
         Reader("value.json", read_json, (_json(TREE),), mutate_json),

@@ -133,11 +133,11 @@ def test_a_mask_with_transparency_is_where_it_is_opaque(tmp_path, around):
     np.testing.assert_array_equal(load_mask(path, (WIDTH, HEIGHT)), head)
 
 
-@pytest.mark.parametrize(("level", "colour"), [(0, "black"), (255, "white")])
-def test_a_mask_of_one_colour_is_refused(tmp_path, level, colour):
+@pytest.mark.parametrize(("level", "where"), [(0, "none there"), (255, "all of it white")])
+def test_a_mask_of_one_colour_is_refused(tmp_path, level, where):
     path = tmp_path / "mask.png"
     write_png(path, np.full((HEIGHT, WIDTH, 3), level, np.uint8))
-    said = f"mask.png: expected a mask white where the head is alone, found all of it {colour}"
+    said = f"mask.png: expected a mask that is white where the head is, found {where}"
     with pytest.raises(InputError, match=said):
         load_mask(path, (WIDTH, HEIGHT))
 
