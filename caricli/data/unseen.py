@@ -136,7 +136,7 @@ def _strangers(data: Dataset, split: str, seen: Mapping[str, SeenPeople | None])
     known_marks = frozenset().union(*(own.before(split) for own in seen.values() if own is not None))
     if not known_marks:
         return list(data.manifest["splits"][split])
-    return [person for person, marks in fingerprints(data, split, True).items() if not marks & known_marks]
+    return [person for person, marks in fingerprints(data, split, older=True).items() if not marks & known_marks]
 
 
 def _making(data: Dataset, row: int) -> bytes:

@@ -22,7 +22,7 @@ def sha256_file(path: str | Path) -> str:
 
 def sha256_files(paths: Iterable[str | Path]) -> str:
     """One SHA-256 of files in their order, as 64 hexadecimal digits. Raises InputError as ``sha256_file``."""
-    return hashlib.sha256("\n".join(map(sha256_file, paths)).encode()).hexdigest()
+    return hashlib.sha256("".join(map(sha256_file, paths)).encode()).hexdigest()
 
 
 def provenance(

@@ -1,6 +1,5 @@
 """The training of a coarse network in its folder."""
 
-import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +12,7 @@ from caricli.data.picture_set import MANIFEST, read_picture_set
 from caricli.data.unseen import everybody
 from caricli.errors import CaricliError, InputError, naming, shown
 from caricli.io.image import read_image
-from caricli.io.provenance import sha256_file
+from caricli.io.provenance import sha256_file, sha256_files
 from caricli.methods.detect.see_face import see_face
 from caricli.methods.train.coarse.coarse_faces import JoinedFaces, StudiedFace, TrueFaces
 from caricli.methods.train.coarse.train_coarse import CoarseTraining, Sources
@@ -82,10 +81,7 @@ class PictureFolders:
     def inputs(self) -> dict[str, str]:
         """SHA-256 by folder: of the manifest, or of those of all pictures."""
         digests = {str(folder / MANIFEST): sha256_file(folder / MANIFEST) for folder in self.marked}
-        for folder in self.plain:
-            hashes = "".join(map(sha256_file, pictures_in(folder)))
-            digests[str(folder)] = hashlib.sha256(hashes.encode()).hexdigest()
-        return digests
+        return digests | {str(folder): sha256_files(pictures_in(folder)) for folder in self.plain}
 
 
 def see_faces(paths: Sequence[Path], detector: Detector, progress: Report = unwatched) -> SeenFaces:

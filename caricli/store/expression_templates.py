@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from caricli.data.expressions import NEUTRAL
+from caricli.data.mesh_names import expression_name
 from caricli.errors import InputError, naming, shown
 from caricli.io.bundled import asset_path
 from caricli.io.meshes.mesh import mesh_files, read_mesh
@@ -58,7 +59,7 @@ def _template_files(folder: Path) -> tuple[Path, list[Path]]:
 
 def _with_arkit_names(names: list[str], neutral: np.ndarray, shapes: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Names by ARKit's where they mean the same, and shapes (K, V, 3), the wholes of two halves appended to both."""
-    own = [name if is_half(name) else arkit_name(name) or name for name in names]
+    own = [expression_name(name) for name in names]
     (twice, count), *_ = Counter(own).most_common(1)
     if count > 1:
         raise InputError(f"expected distinct expressions, found {twice!r} twice under two names")

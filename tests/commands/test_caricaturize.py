@@ -50,7 +50,7 @@ def test_along_the_direction_of_caricatures(run, people, known, tmp_path):
 
 def test_its_own_way_goes_away_from_the_mean_and_keeps_size_and_place(run, people, known, tmp_path):
     distances, start = [], read_obj(people[0]).vertices
-    for strength in (0, 1, 2):
+    for strength in (0, 0.5, 1, 2):
         out = tmp_path / f"{strength}.obj"
         result = run("caricaturize", people[0], "--mode", "own", "--strength", strength, "--out", out, *known)
         assert result.exit_code == 0, result.output

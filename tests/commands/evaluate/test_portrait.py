@@ -83,6 +83,12 @@ def test_everybody_can_be_portrayed(run, dataset, monkeypatch, tmp_path):
     assert sorted(portrayed) == sorted(4 * [0, 1, 2, 3])
 
 
+@pytest.mark.slow
+def test_everybody_is_portrayed_from_beginning_to_end(run, dataset, tmp_path):
+    assert run(*COMMAND, "--data", dataset, "--out", tmp_path / "a", "--count", 1, "--everyone").exit_code == 0
+    assert read_json(tmp_path / "a" / "portrait.json")["test_people"] == {"unseen": 4, "of": 4}
+
+
 def test_the_same_seed_gives_the_same_figures(evaluated, from_one):
     ((name, face),) = read_json(from_one / "portrait.json")["faces"]["rendered"].items()
     before = read_json(evaluated[0] / "portrait.json")["faces"]["rendered"]
