@@ -184,7 +184,8 @@ def test_expressions_go_on_where_they_were_stopped_and_past_bad_files(snakemake,
     rest, wide = (read_image(small / f"{name}.jpg") for name in ("neutral", "expressions/open"))
     assert rest.shape == (224, 224, 3) and wide.shape == (384, 384, 3)
     rest, wide = rest.astype(int), np.asarray(Image.fromarray(wide).resize((224, 224))).astype(int)
-    assert np.abs(rest - wide)[:112].mean() < np.abs(rest - wide)[112:].mean() / 3
+    changed = np.abs(rest - wide).max(2) > 30  # beyond what another size and its compression do
+    assert changed[:112].sum() < changed[112:].sum() / 5
 
     # Landmarks without a picture, too, are a drawing.
     (drawings / "unmarked.jpg").unlink()
