@@ -37,7 +37,7 @@ from caricli.methods.parts.lids import Lids
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.render.visibility.rasterise import rasterise
-from caricli.structures.arkit import uses
+from caricli.structures.arkit import alone, uses
 from caricli.template.annotation import DELICATE
 from caricli.template.head import load_head
 from caricli.template.lash_hairs import SIDES, lash_hairs
@@ -163,7 +163,7 @@ def timed():
         milliseconds["attach"].append([processor_time(lambda mesh=mesh: attachment.attach(mesh)) for _ in range(2)][1])
         if number < RUNS:
             deltas = transfer_rig(templates, face)
-            way = processor_time(lambda mesh=mesh, deltas=deltas: attachment.animate(mesh, names, deltas))
+            way = processor_time(lambda mesh=mesh, deltas=deltas: attachment.animate(mesh, alone(names), deltas))
             milliseconds["with 52 expressions"].append(way)
     return {name: {"median": statistics.median(rows), "largest": max(rows)} for name, rows in milliseconds.items()}
 
@@ -191,8 +191,8 @@ def depths(face):
     attachment = open_head_attachment()
     mesh = templates.mesh.with_vertices(face)
     names = templates.names
-    deltas = attachment.let_out(mesh, names, transfer_rig(templates, face))
-    parts = attachment.animate(mesh, names, deltas)
+    deltas = attachment.let_out(mesh, alone(names), transfer_rig(templates, face))
+    parts = attachment.animate(mesh, alone(names), deltas)
     flesh = Flesh(mesh.faces)
     reach = [Reach(mesh, flesh, part) for part in parts]
     by_part = {part.name: {"rest": 100 * float(flesh.depth(face, part.mesh.vertices).max())} for part in parts}

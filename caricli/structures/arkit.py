@@ -1,7 +1,7 @@
 """The names of the 52 facial actions of ARKit, which every engine's face tracking speaks, and what they start from."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -33,6 +33,10 @@ OPPOSITES = {"jawLeft": "jawRight", "mouthLeft": "mouthRight"} | {
     for side in ("Left", "Right")
 }
 """Actions that nobody does at once, though both together can look like a wider jaw or mouth."""
+
+
+Expressions = Mapping[str, Mapping[str, float]]
+"""By the names of expressions the weights of the actions, by name, that they are made of."""
 
 
 _PLAIN = {name.lower(): name for name in ARKIT_NAMES}
@@ -113,6 +117,11 @@ def opposites(names: Sequence[str]) -> tuple[tuple[int, int], ...]:
     """Pairs of numbers of expressions that are ``OPPOSITES``. names: (K,) of expressions, see ``arkit_name``."""
     both = [product(_doing(one, names), _doing(other, names)) for one, other in OPPOSITES.items()]
     return tuple(pair for pairs in both for pair in pairs)
+
+
+def alone(names: Iterable[str]) -> dict[str, dict[str, float]]:
+    """Expressions that are each one action, of the same name."""
+    return {name: {name: 1.0} for name in names}
 
 
 def action_codes(expressions: Sequence[Mapping[str, float]]) -> np.ndarray:

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming
+from caricli.methods.rig.add_eyeballs import eye_turns
 from caricli.methods.session.history import History
 from caricli.methods.session.operations import operate
-from caricli.methods.session.pose import Poser, eye_turns
+from caricli.methods.session.pose import Poser
 from caricli.methods.session.work import Work
 from caricli.render.eyes.place_eyeballs import place_eyeball
 from caricli.render.face_look import with_parts
@@ -124,7 +125,7 @@ class Desk:
             placed = place_eyeball(work.face.mesh, self.tools.model.template.annotation, side)
             if placed is not None:
                 eyes[row, :4] = [*placed[0], placed[1]]
-        eyes[:, 4:] = eye_turns(work)
+        eyes[:, 4:] = eye_turns(work.weights)
         return np.concatenate([eyes.ravel(), vertices.ravel()]).astype("<f4").tobytes()
 
     def layout(self) -> bytes:

@@ -20,6 +20,7 @@ from caricli.render.pixels.srgb import to_linear, to_srgb
 from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Part
+from caricli.structures.arkit import alone
 from caricli.structures.landmarks import COUNT, POINT_NAMES
 from caricli.structures.parsing import Region
 from caricli.template.template import Template
@@ -100,7 +101,7 @@ class Stage:
         names = [str(k) for k in range(len(shapes))]
         parts: Sequence[Part] = ()
         if self.attachment is not None:
-            parts = self.attachment.animate(self.template.with_vertices(neutral), names, shapes - neutral)
+            parts = self.attachment.animate(self.template.with_vertices(neutral), alone(names), shapes - neutral)
         shadows = Shadows(self._sky(actor, neutral), self.changing, sum(len(part.mesh.vertices) for part in parts))
         maker = ReliefMaker(actor.pattern)
         return [

@@ -9,6 +9,7 @@ import numpy as np
 from caricli.methods.parts.attachment import attachment_for
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Material, Part
+from caricli.structures.arkit import alone
 from caricli.structures.materials import IN_MOUTH
 from caricli.template.template import Template
 
@@ -56,7 +57,7 @@ class MouthParts:
         if attachment is None:
             return None
         names = [str(k) for k in range(len(deltas))]
-        return cls.of(attachment.without_lashes().animate(template, names, deltas))
+        return cls.of(attachment.without_lashes().animate(template, alone(names), deltas))
 
     def moved(self, weights: np.ndarray) -> np.ndarray:
         """(W, 3) metres, its vertices with weights (K,) of the expressions."""

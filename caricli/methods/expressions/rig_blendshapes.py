@@ -9,7 +9,6 @@ from caricli.methods.expressions.measure_blendshapes import BlendshapeMeasures, 
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigResult, RigSettings, make_rig
 from caricli.structures import Depiction, Face, Pictures
-from caricli.structures.arkit import action_codes
 
 
 def rig_blendshapes(
@@ -32,8 +31,7 @@ def rig_blendshapes(
     depiction = None
     if worn is not None and worn.camera is not None:
         depiction = Depiction(worn.camera, result.shaped(worn).astype(np.float32), worn.landmarks)
-    actions = action_codes([tools.expressions[name] for name in result.rig.names])
-    rig = replace(result.rig, normal_deltas=normal_deltas, depiction=depiction, actions=actions)
+    rig = replace(result.rig, normal_deltas=normal_deltas, depiction=depiction)
     return replace(result, rig=rig)
 
 

@@ -41,4 +41,5 @@ class ExpressionTools:
     @cached_property
     def acting(self) -> ExpressionTemplates:
         """The templates without the neutral one; what they find out of themselves is kept for every rig."""
-        return replace(self.templates, names=self.templates.names[1:], deltas=self.templates.deltas[1:])
+        names, deltas, weights = self.templates.names, self.templates.deltas, tuple(self.expressions.values())
+        return replace(self.templates, names=names[1:], deltas=deltas[1:], weights=weights[1:])

@@ -16,6 +16,7 @@ from caricli.methods.parts.lids import Lids
 from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.methods.parts.posed import Posed
 from caricli.structures import Mesh, Part
+from caricli.structures.arkit import Expressions
 from caricli.structures.head_choice import Teeth
 from caricli.template.head import BasePart, Head, load_head
 from caricli.template.head_parts import head_parts, part_lips
@@ -62,32 +63,33 @@ class Attachment:
 
     def attach(self, mesh: Mesh) -> tuple[Part, ...]:
         """The parts of a face, without expressions. mesh: Mesh of its skin, metres, in the template's topology."""
-        return self.animate(mesh, (), np.zeros((0, *mesh.vertices.shape)))
+        return self.animate(mesh, {}, np.zeros((0, *mesh.vertices.shape)))
 
     def animate(
         self,
         mesh: Mesh,
-        names: Sequence[str],
+        expressions: Expressions,
         deltas: np.ndarray,
         given: np.ndarray | None = None,
         teeth: np.ndarray | None = None,
     ) -> tuple[Part, ...]:
         """The parts of a face with expressions.
 
-        mesh: Mesh of its skin, metres, in the template's topology. names: K. deltas: (K, V, 3) metres, what the
-        expressions do to the skin. given: (V, 3) metres, the face with the expression that this neutral one was found
-        from, whose lips may have shown teeth; or None. teeth: (2,) metres, of a Face, or None where no picture tells.
+        mesh: Mesh of its skin, metres, in the template's topology. expressions: K, of what actions they are made.
+        deltas: (K, V, 3) metres, what they do to the skin. given: (V, 3) metres, the face with the expression that this
+        neutral one was found from, whose lips may have shown teeth; or None. teeth: (2,) metres, of a Face, or None
+        where no picture tells.
         """
-        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float), given, teeth)
+        face = Posed(np.asarray(mesh.vertices, float), expressions, np.asarray(deltas, float), given, teeth)
         mouths = self._mouths(face)
         return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
 
-    def let_out(self, mesh: Mesh, names: Sequence[str], deltas: np.ndarray) -> np.ndarray:
+    def let_out(self, mesh: Mesh, expressions: Expressions, deltas: np.ndarray) -> np.ndarray:
         """(K, V, 3) metres, what expressions do to the skin where lips part as far as a tongue needs to come out.
 
-        mesh, names, deltas: as in ``animate``; the other expressions stay as they are.
+        mesh, expressions, deltas: as in ``animate``; the other expressions stay as they are.
         """
-        face = Posed(np.asarray(mesh.vertices, float), tuple(names), np.asarray(deltas, float))
+        face = Posed(np.asarray(mesh.vertices, float), expressions, np.asarray(deltas, float))
         mouths = self._mouths(face)
         if mouths is None:
             return face.deltas

@@ -1,5 +1,6 @@
 """Parts that are as rigid as bone."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -101,7 +102,7 @@ class Bone:
             bends = (self.moves[:, YIELDING] @ to_face.T).transpose(0, 2, 1)
             rest = _AtRest(shape, mouths.rest.room(shape)[0], bends)
             for k in mouths.order:
-                if face.names[k] in self.own:
+                if self._comes_out(face.weights[k]) > 0:
                     moved[k] += self._way_out(face.only(k), shape, moved[k], mouths.height)[0]
                 else:
                     moved[k] += self._kept_in(mouths, rest, moved, int(k))
@@ -112,10 +113,12 @@ class Bone:
         shape, to_face = self._at_rest(face, mouths)
         lips = part_more(face.names, face.deltas)
         deltas = face.deltas.copy()
-        for k in np.flatnonzero([name in self.own for name in face.names]):
+        for k, weights in enumerate(face.weights):
+            if self._comes_out(weights) <= 0:
+                continue
             least = np.inf
             for parting in PARTINGS:
-                opened = Posed(face.neutral, (face.names[k],), (face.deltas[k] + parting * lips)[None])
+                opened = Posed(face.neutral, face.only(k).expressions, (face.deltas[k] + parting * lips)[None])
                 _, lack = self._way_out(opened, shape, self._moved(opened, shape, to_face)[0], mouths.height)
                 if lack < least:
                     least = lack
@@ -164,13 +167,17 @@ class Bone:
     def _moved(self, face: Posed, shape: np.ndarray, to_face: np.ndarray) -> np.ndarray:
         """(K, W, 3) what expressions do to the part by the jaw and by themselves."""
         moved = np.zeros((len(face.names), *shape.shape))
-        for k, name in enumerate(face.names):
+        for k, weights in enumerate(face.weights):
             if self.jaw is not None:
-                turn, carry = self.jaw.motion(name, face.neutral, face.deltas[k])
+                turn, carry = self.jaw.motion([*weights], face.neutral, face.deltas[k])
                 moved[k] = shape @ turn.T + carry - shape
-            if name in self.own:
-                moved[k] += self.own[name] @ to_face.T
+            for action, own in self.own.items():
+                moved[k] += weights.get(action, 0.0) * own @ to_face.T
         return moved
+
+    def _comes_out(self, weights: Mapping[str, float]) -> float:
+        """How much of its own way it goes in an expression. weights: of actions, by name."""
+        return max((weights.get(action, 0.0) for action in self.own), default=0.0)
 
     def _settled(self, mouth: Mouth, shape: np.ndarray, to_face: np.ndarray, height: float) -> np.ndarray:
         """The part (W, 3) brought into a mouth, and what gives way pressed into it. to_face: (3, 3), what turned it."""
@@ -231,8 +238,10 @@ class Bone:
         Returns also what the worst point lacks of its distance from the skin, metres.
         """
         flesh = {amount: Flesh(self.hide, face.neutral + amount * face.deltas[0]) for amount in WAY}
-        way, spare = far_enough(shape, move, (face.neutral + face.deltas[0])[self.lips], height)
-        bends = tongue_bends(shape, way, spare)
+        share = self._comes_out(face.weights[0])
+        whole, spare = far_enough(shape, move / share, (face.neutral + face.deltas[0])[self.lips], height)
+        way = share * whole
+        bends = tongue_bends(shape, way, share * spare)
         amounts, lack = clear_way(flesh, shape, way, bends, PRESSED * height)
         return way - move + bends.moves @ amounts, lack
 

@@ -1,7 +1,5 @@
 """What is on and in a face beside its skin."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from caricli.errors import InputError
@@ -9,6 +7,7 @@ from caricli.methods.parts.attachment import NO_TEETH, Attachment, attachment_fo
 from caricli.methods.parts.close_neck import close_neck
 from caricli.methods.parts.shoulders import NO_SHOULDERS, add_shoulders
 from caricli.structures import Face, HeadChoice, Mesh, Part
+from caricli.structures.arkit import Expressions
 from caricli.structures.head_choice import WHOLE
 from caricli.template.template import Template
 
@@ -19,25 +18,27 @@ def face_parts(
     face: Face,
     template: Mesh,
     choice: HeadChoice = WHOLE,
-    names: Sequence[str] = (),
+    expressions: Expressions | None = None,
     deltas: np.ndarray | None = None,
     given: np.ndarray | None = None,
 ) -> list[Part]:
     """The parts of a head on a face, what closes its neck, and the hair that it has.
 
     face: Face. template: of its topology; where it is a Template that knows parts, or has the topology of the open
-    head, these are attached. choice: HeadChoice. names, deltas: K expressions and (K, V, 3) metres, what they do to
-    the face. given: (V, 3) metres, the face with the expression that this neutral one was found from; or None.
+    head, these are attached. choice: HeadChoice. expressions, deltas: K, of what actions they are made, and (K, V, 3)
+    metres, what they do to the face. given: (V, 3) metres, the face with the expression that this neutral one was found
+    from; or None.
     Returns Parts, the hair last. Raises InputError where shoulders or teeth are chosen and it has not the open head's
     topology, and where teeth are chosen for a template that brings its own.
     """
     parts: list[Part] = []
     if isinstance(template, Template) and template.topology_id == face.mesh.topology_id:
+        expressions = expressions or {}
         moves = np.zeros((0, *face.vertices.shape)) if deltas is None else deltas
         attachment = chosen_attachment(template, choice)
-        parts = [] if attachment is None else [*attachment.animate(face.mesh, names, moves, given, face.teeth)]
+        parts = [] if attachment is None else [*attachment.animate(face.mesh, expressions, moves, given, face.teeth)]
         close = add_shoulders if choice.shoulders else close_neck
-        neck = close(template, face.vertices, names, moves)
+        neck = close(template, face.vertices, tuple(expressions), moves)
         parts += [] if neck is None else [neck]
     elif choice.shoulders or choice.teeth is not None:
         raise InputError(NO_SHOULDERS if choice.shoulders else NO_TEETH)
@@ -55,13 +56,13 @@ def chosen_attachment(template: Template, choice: HeadChoice) -> Attachment | No
 
 
 def let_tongue_out(
-    mesh: Mesh, template: Mesh, choice: HeadChoice, names: Sequence[str], deltas: np.ndarray
+    mesh: Mesh, template: Mesh, choice: HeadChoice, expressions: Expressions, deltas: np.ndarray
 ) -> np.ndarray:
     """(K, V, 3) metres, what expressions do to a face that wears a tongue: its lips part as far as that needs.
 
-    mesh: Mesh of the face. template, choice, names, deltas: as in ``face_parts``.
+    mesh: Mesh of the face. template, choice, expressions, deltas: as in ``face_parts``.
     """
     attachment = None
     if "tongue" in choice.parts and isinstance(template, Template) and template.topology_id == mesh.topology_id:
         attachment = attachment_for(template, choice.teeth)
-    return deltas if attachment is None else attachment.let_out(mesh, names, deltas)
+    return deltas if attachment is None else attachment.let_out(mesh, expressions, deltas)

@@ -1,5 +1,7 @@
 """The bone of the jaw."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from caricli.geometry.alignment.weighted_similarities import weighted_similarities
@@ -43,11 +45,15 @@ class Jaw:
         """Whether an expression of the template moves the bone."""
         return name in self.anchors
 
-    def motion(self, name: str, neutral: np.ndarray, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rotation (3, 3) and translation (3,) of the bone of a face (V, 3) in an expression (V, 3)."""
-        if name in self.names and not self.moves(name):
+    def motion(self, actions: Sequence[str], neutral: np.ndarray, delta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rotation (3, 3) and translation (3,) of the bone of a face (V, 3) in an expression (V, 3).
+
+        actions: names of what the expression is made of.
+        """
+        moving = [name for name in actions if self.moves(name) or name not in self.names]
+        if not moving:
             return np.eye(3), np.zeros(3)
-        ids, weights = self.anchors.get(name, self.shared)
+        ids, weights = self.anchors.get(moving[0], self.shared) if len(moving) == 1 else self.shared
         start = neutral[ids]
         _, turn, shift = weighted_similarities(start, start + delta[ids], weights, scaling=False)
         return turn, shift

@@ -1,24 +1,38 @@
 """A face and its expressions, to which parts are fitted."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+
+from caricli.structures.arkit import Expressions
 
 
 @dataclass(frozen=True, eq=False)
 class Posed:
     """The skin of a face and its expressions.
 
-    neutral: (V, 3) metres. names: K. deltas: (K, V, 3) metres. given: (V, 3) metres, the face with the expression that
-    the neutral one was found from, or None. teeth: (2,) metres, of a Face, or None.
+    neutral: (V, 3) metres. expressions: K, of what actions they are made. deltas: (K, V, 3) metres. given: (V, 3)
+    metres, the face with the expression that the neutral one was found from, or None. teeth: (2,) metres, of a Face, or
+    None.
     """
 
     neutral: np.ndarray
-    names: tuple[str, ...]
+    expressions: Expressions
     deltas: np.ndarray
     given: np.ndarray | None = None
     teeth: np.ndarray | None = None
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the expressions."""
+        return tuple(self.expressions)
+
+    @property
+    def weights(self) -> tuple[Mapping[str, float], ...]:
+        """(K,) of the actions that the expressions are made of, by name."""
+        return tuple(self.expressions.values())
+
     def only(self, k: int) -> "Posed":
         """With expression k alone."""
-        return replace(self, names=self.names[k : k + 1], deltas=self.deltas[k : k + 1])
+        return replace(self, expressions={self.names[k]: self.weights[k]}, deltas=self.deltas[k : k + 1])

@@ -1,6 +1,6 @@
 """Eyeballs for a rig (portrait paper, section 4.3)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ from caricli.methods.rig.add_parts import add_parts
 from caricli.render.eyes.paint_eye import paint_eye
 from caricli.render.eyes.place_eyeballs import place_eyeball
 from caricli.structures import Material, Mesh, Part, Rig
+from caricli.structures.arkit import ARKIT_NAMES, action_codes, alone
 from caricli.template.annotation import Annotation
 
 RINGS = 14
@@ -82,7 +83,7 @@ def moving_vertices(neutral: np.ndarray, deltas: np.ndarray, ids: np.ndarray) ->
 def add_eyeballs(
     rig: Rig, eyeballs: Sequence[Eyeball], generator: np.random.Generator, picture: np.ndarray | None = None
 ) -> Rig:
-    """The rig with eyeballs as part of its mesh: own polygons, UVs and picture, turned by the `eyeLook*` shapes.
+    """The rig with eyeballs as part of its mesh: own polygons, UVs and picture, turned by the `eyeLook*` actions.
 
     generator: of their picture, where none (S, S, 3) is given.
     Returns Rig; the vertices of the face come first.
@@ -91,9 +92,12 @@ def add_eyeballs(
         return rig
     ball = _unit_ball()
     materials = np.full(len(ball.polygons), Material.EYE, np.int32)
+    codes = action_codes([*alone(rig.names).values()]) if rig.actions is None else rig.actions
+    turns = [eye_turns(dict(zip(ARKIT_NAMES, code.tolist(), strict=True))) for code in codes]
     parts = []
     for each in eyeballs:
-        turned = [each.radius * (ball.vertices @ _turn(name, each.side).T - ball.vertices) for name in rig.names]
+        row = 0 if each.side == "left" else 1
+        turned = [each.radius * (ball.vertices @ _rotation(turn[row]).T - ball.vertices) for turn in turns]
         deltas = np.reshape(turned, (len(rig.names), *ball.vertices.shape))
         placed = ball.with_vertices(each.centre + each.radius * ball.vertices)
         parts.append(Part(f"eye_{each.side}", placed, materials, "skull", rig.names, deltas))
@@ -101,15 +105,23 @@ def add_eyeballs(
     return replace(add_parts(rig, parts), pictures=replace(rig.pictures, eyes=eyes))
 
 
-def _turn(name: str, side: str) -> np.ndarray:
-    """(3, 3) rotation of an eye in an expression; +x is the subject's left."""
-    direction = name.removeprefix("eyeLook").lower().removesuffix(side)
-    if not name.startswith("eyeLook") or direction.capitalize() not in ANGLES or not name.lower().endswith(side):
-        return np.eye(3)
-    about_x, about_y = ANGLES[direction.capitalize()]
-    inwards = (direction == "in") == (side == "left")
-    about = np.radians([[about_x, 0, 0], [0, -about_y if inwards else about_y, 0]])
-    return rotation_matrices(about[1]) @ rotation_matrices(about[0])
+def eye_turns(weights: Mapping[str, float]) -> np.ndarray:
+    """(2, 2) radians, of the left and the right eye about y, to the subject's left, and about x, down.
+
+    weights: of ARKit's actions, by name.
+    """
+    turns = np.zeros((2, 2))
+    for row, (side, mirror) in enumerate((("Left", 1), ("Right", -1))):
+        for way, (about_x, about_y) in ANGLES.items():
+            aside = -mirror * about_y if way == "In" else mirror * about_y
+            turns[row] += weights.get(f"eyeLook{way}{side}", 0) * np.array([aside, about_x])
+    return np.radians(turns)
+
+
+def _rotation(turn: np.ndarray) -> np.ndarray:
+    """(3, 3) of an eye that is turned (2,) radians about y and x."""
+    aside, down = turn
+    return rotation_matrices(np.array([0, aside, 0])) @ rotation_matrices(np.array([down, 0, 0]))
 
 
 def _unit_ball() -> Mesh:

@@ -16,7 +16,7 @@ from caricli.geometry.smooth_step import smooth_step
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh
-from caricli.structures.arkit import arkit_name, start_delta, start_of
+from caricli.structures.arkit import Expressions, alone, arkit_name, start_delta, start_of
 from caricli.template.annotation import Annotation
 from caricli.template.template import Template
 
@@ -82,12 +82,14 @@ class ExpressionTemplates:
     mesh: Mesh of the neutral face, metres; a Template where lids, lips and eyes are known by name.
     deltas: (K, V, 3) metres, of each expression alone.
     settings: ContactSettings.
+    weights: (K,) of each, by name the weights of the actions that it is made of; or None, where each is an action.
     """
 
     names: tuple[str, ...]
     mesh: Mesh
     deltas: np.ndarray
     settings: ContactSettings = ContactSettings()
+    weights: tuple[Mapping[str, float], ...] | None = None
 
     @property
     def neutral(self) -> np.ndarray:
@@ -108,6 +110,11 @@ class ExpressionTemplates:
     def reach(self) -> float:
         """How near touching surfaces are, in metres."""
         return self.settings.reach * self.mesh.height
+
+    @property
+    def expressions(self) -> Expressions:
+        """Of what actions they are made."""
+        return alone(self.names) if self.weights is None else dict(zip(self.names, self.weights, strict=True))
 
     @cached_property
     def still(self) -> np.ndarray:
@@ -226,7 +233,8 @@ def combine_templates(templates: ExpressionTemplates, expressions: dict[str, dic
     actions = dict(zip(templates.names, templates.deltas, strict=True))
     none = np.zeros_like(templates.neutral)
     deltas = [sum((w * actions[name] for name, w in weights.items()), none) for weights in expressions.values()]
-    return ExpressionTemplates(tuple(expressions), templates.mesh, np.array(deltas), templates.settings)
+    names, weights = zip(*expressions.items(), strict=True)
+    return ExpressionTemplates(names, templates.mesh, np.array(deltas), templates.settings, weights)
 
 
 def check_templates(names: Sequence[str], mesh: Mesh, shapes: np.ndarray) -> ExpressionTemplates:

@@ -16,6 +16,7 @@ from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.structures import Face, HeadChoice, Mesh, Part, Pictures, Rig
+from caricli.structures.arkit import action_codes
 from caricli.structures.head_choice import WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
 
@@ -87,7 +88,7 @@ def make_rig(
     templates = templates or open_head_expressions()
     templates.require_topology(mesh)
     deltas = transfer_rig(templates, mesh.vertices) if deltas is None else deltas
-    deltas = let_tongue_out(mesh, templates.mesh, settings.head, templates.names, deltas)
+    deltas = let_tongue_out(mesh, templates.mesh, settings.head, templates.expressions, deltas)
     annotation = templates.annotation if "eyes" in settings.head.parts else None
     eyeballs = [] if annotation is None else fit_eyeballs(mesh, annotation, deltas)
     measures = measure_rig(mesh.vertices, deltas, templates, eyeballs)
@@ -95,12 +96,13 @@ def make_rig(
     finer = np.stack([fine.weights @ delta for delta in deltas])
     shape = fine.mesh.with_vertices((fine.weights @ mesh.vertices).astype(np.float32))
     worn = with_neck(pictures, mesh, templates.mesh) if "bust" in settings.head.parts else pictures
-    rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(worn, eyes=None))
+    actions = None if templates.weights is None else action_codes(templates.weights)
+    rig = Rig(templates.names, shape, finer.astype(np.float32), pictures=replace(worn, eyes=None), actions=actions)
     rig = add_eyeballs(rig, eyeballs, np.random.default_rng(settings.seed), pictures.eyes)
     hair = None if given is None else given.with_vertices(mesh.vertices).hair
     hair = None if hair is None else sink_rim(hair, mesh, deltas)
     laugh = None if given is None or np.array_equal(given.vertices, mesh.vertices) else given.vertices
     teeth = None if given is None else given.teeth
     dress = partial(face_parts, template=templates.mesh, choice=settings.head, given=laugh)
-    rig = add_parts(rig, dress(Face(mesh, hair=hair, teeth=teeth), names=rig.names, deltas=deltas))
+    rig = add_parts(rig, dress(Face(mesh, hair=hair, teeth=teeth), expressions=templates.expressions, deltas=deltas))
     return RigResult(rig, measures, eyeballs, fine, dress)

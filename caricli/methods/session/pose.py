@@ -7,12 +7,11 @@ import numpy as np
 
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.parts.face_parts import face_parts, let_tongue_out
-from caricli.methods.rig.add_eyeballs import ANGLES
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.methods.session.tools import Tools
 from caricli.methods.session.work import Work
 from caricli.structures import HeadChoice, Part
-from caricli.structures.arkit import reachable
+from caricli.structures.arkit import alone, reachable
 
 DRESSED = HeadChoice(("skin", "teeth", "tongue", "lashes", "hair", "bust"))
 """What the page shows of a head beside its eyes."""
@@ -48,7 +47,7 @@ class Poser:
         acting = self._acts(work)
         if self._dressed[0] is not acting:
             template = self.tools.model.template
-            self._dressed = acting, face_parts(work.face, template, DRESSED, acting.names, acting.deltas)
+            self._dressed = acting, face_parts(work.face, template, DRESSED, alone(acting.names), acting.deltas)
         parts = []
         for part in self._dressed[1]:
             vertices = _moved(part.mesh.vertices, part.names, part.deltas, work)
@@ -76,7 +75,8 @@ class Poser:
             if self._transferred is None:
                 self._transferred = transfer_rig(self.tools.templates, rest)
             rows = [self.tools.templates.names.index(name) for name in names]
-            deltas = let_tongue_out(work.face.mesh, self.tools.model.template, DRESSED, names, self._transferred[rows])
+            face, template = work.face.mesh, self.tools.model.template
+            deltas = let_tongue_out(face, template, DRESSED, alone(names), self._transferred[rows])
         self._acting = _Acting(rest, names, deltas)
         return self._acting
 
@@ -91,13 +91,3 @@ def _moved(rest: np.ndarray, names: Sequence[str], deltas: np.ndarray, work: Wor
     reached = reachable(work.weights)
     moves = [weight * deltas[names.index(name)] for name, weight in reached.items() if name in names]
     return rest + np.sum(moves, axis=0) if moves else rest
-
-
-def eye_turns(work: Work) -> np.ndarray:
-    """(2, 2) radians, of the left and the right eye about y, to the subject's left, and about x, down, as in rigs."""
-    turns = np.zeros((2, 2))
-    for row, (side, mirror) in enumerate((("Left", 1), ("Right", -1))):
-        for way, (about_x, about_y) in ANGLES.items():
-            aside = -mirror * about_y if way == "In" else mirror * about_y
-            turns[row] += work.weights.get(f"eyeLook{way}{side}", 0) * np.array([aside, about_x])
-    return np.radians(turns)

@@ -12,6 +12,7 @@ from caricli.methods.parts.incisors import incisors_of
 from caricli.methods.parts.pocket import Mouths, Pocket
 from caricli.methods.parts.posed import Posed
 from caricli.structures import Material, Mesh
+from caricli.structures.arkit import alone
 from caricli.template.head import load_head
 from caricli.template.head_parts import head_parts
 
@@ -52,7 +53,7 @@ def test_they_go_wherever_the_head_goes(template):
 
 
 def test_expressions_move_bone_rigidly_and_the_tongue_comes_out(head, template):
-    parts = by_name(open_head_attachment().animate(template, head.action_names, head.actions))
+    parts = by_name(open_head_attachment().animate(template, alone(head.action_names), head.actions))
     names = list(head.action_names)
     crowns = np.unique(parts["teeth_upper"].mesh.polygons[parts["teeth_upper"].materials == Material.TEETH])
     assert np.abs(parts["teeth_upper"].deltas[names.index("jawOpen"), crowns]).max() < 1e-4
@@ -133,12 +134,12 @@ def test_parts_stay_behind_a_lip_that_was_pushed_in(head, template):
     face = template.with_vertices(narrow)
     attachment = open_head_attachment()
     deltas = np.asarray(head.actions, float)
-    parts = attachment.animate(face, head.action_names, deltas)
+    parts = attachment.animate(face, alone(head.action_names), deltas)
     pocket = Pocket(template, wall)
     mouths = Mouths(pocket, narrow, head.action_names, deltas)
     free = [part for part in parts if part.name != "lashes"]
     bones = [hold for hold in attachment.holds if isinstance(hold, Bone)]
-    unaware = [bone.place(Posed(narrow, (), np.zeros((0, *narrow.shape))), None) for bone in bones]
+    unaware = [bone.place(Posed(narrow, {}, np.zeros((0, *narrow.shape))), None) for bone in bones]
     assert max(-mouths.rest.room(part.mesh.vertices)[0].min() for part in unaware) > 0.005 * face.height
     for part in free:
         assert mouths.rest.room(part.mesh.vertices)[0].min() > -1e-4 * face.height
@@ -158,7 +159,7 @@ def test_an_expression_far_from_a_mouth_that_is_too_small_leaves_its_teeth(head,
     names = ("browInnerUp", "browDownLeft", "jawOpen")
     deltas = np.asarray(head.actions, float)[[head.action_names.index(name) for name in names]]
     mouths = Mouths(Pocket(template, wall), small, names, deltas)
-    for part in open_head_attachment().animate(template.with_vertices(small), names, deltas)[:2]:
+    for part in open_head_attachment().animate(template.with_vertices(small), alone(names), deltas)[:2]:
         assert mouths.rest.room(part.mesh.vertices)[0].min() < PRESSED * mouths.height, "no room for it at rest"
         moves = np.abs(part.deltas).max((1, 2))
         assert moves[:2].max() < 1e-9 and moves[2] > 1e-4, part.name
@@ -176,7 +177,10 @@ def test_lower_teeth_follow_the_jaw_where_cheeks_keep_the_molars(head, template)
     closing[0, wall[behind], 0] -= 0.02 * template.height * np.sign(places[behind, 0])
     incisors = incisors_of(template, open_head_attachment().attach(template)[1])
     assert incisors is not None
-    free, kept = (open_head_attachment().animate(template, names, deltas)[1].deltas[0] for deltas in (usual, closing))
+    expressions = alone(names)
+    free, kept = (
+        open_head_attachment().animate(template, expressions, deltas)[1].deltas[0] for deltas in (usual, closing)
+    )
     assert kept[incisors.front, 1].mean() < 0.6 * free[incisors.front, 1].mean() < -0.01
 
 

@@ -19,7 +19,7 @@ def laughing(head, head_template):
 
 
 def upper_teeth(template, vertices, given=None):
-    parts = open_head_attachment().animate(template.with_vertices(vertices), (), NONE, given)
+    parts = open_head_attachment().animate(template.with_vertices(vertices), {}, NONE, given)
     part = next(part for part in parts if part.name == "teeth_upper")
     incisors = incisors_of(template, part)
     crown = np.ptp(part.mesh.vertices[incisors.front, 1])
@@ -70,7 +70,7 @@ def test_teeth_end_where_a_picture_shows_it(head_template, laughing, shown):
     up = np.array([0.0, 1, 0])
     usual = {part.name: part for part in open_head_attachment().attach(mesh)}
     teeth = np.array([shown, 0.004])
-    for part in open_head_attachment().animate(mesh, (), NONE, teeth=teeth)[:2]:
+    for part in open_head_attachment().animate(mesh, {}, NONE, teeth=teeth)[:2]:
         incisors = incisors_of(head_template, part)
         before, now = usual[part.name].mesh.vertices, part.mesh.vertices
         beyond = incisors.outwards * (incisors.edge(now, up) - laughing[incisors.lips[incisors.row], 1])

@@ -4,6 +4,7 @@ import pytest
 from caricli.methods.parts.attachment import open_head_attachment
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.let_out import AHEAD, PARTING, far_enough, part_more, tongue_bends
+from caricli.structures.arkit import alone
 from caricli.template.head import load_head
 
 WAY = np.column_stack([np.zeros(20), np.zeros(20), np.linspace(0, 0.03, 20)])
@@ -39,7 +40,7 @@ def tight():
     template = head.template()
     deltas = head.actions.astype(float)
     face = template.with_vertices(template.vertices * [0.8, 1.0, 1.1])
-    return face, head.action_names, deltas, open_head_attachment().let_out(face, head.action_names, deltas)
+    return face, head.action_names, deltas, open_head_attachment().let_out(face, alone(head.action_names), deltas)
 
 
 def test_lips_part_as_far_as_the_tongue_needs(tight):
@@ -57,7 +58,7 @@ def test_lips_part_as_far_as_the_tongue_needs(tight):
 def test_the_tongue_comes_out_before_the_lips_and_not_through_them(tight):
     face, names, _, opened = tight
     k = names.index("tongueOut")
-    parts = {part.name: part for part in open_head_attachment().animate(face, (names[k],), opened[k : k + 1])}
+    parts = {part.name: part for part in open_head_attachment().animate(face, alone([names[k]]), opened[k : k + 1])}
     hide = Hide(face.faces)
     start, way = parts["tongue"].mesh.vertices, parts["tongue"].deltas[0]
     for weight in (0.25, 0.5, 0.75, 1.0):

@@ -5,11 +5,12 @@ import pytest
 
 from caricli.errors import InputError, NumericsError
 from caricli.io.gltf.write_gltf import shading_normals
-from caricli.methods.rig.expression_templates import ExpressionTemplates
+from caricli.methods.rig.expression_templates import ExpressionTemplates, combine_templates
 from caricli.methods.rig.head_expressions import head_expressions
 from caricli.methods.rig.make_rig import RigSettings, make_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.structures import Face, Hair, HeadChoice, Material, Mesh, Pictures, Rig
+from caricli.structures.arkit import action_codes
 from caricli.structures.head_choice import BARE
 from caricli.structures.mesh import triangle_fans
 
@@ -185,6 +186,30 @@ def test_a_triangle_without_area_is_refused(templates, face, deltas):
 def test_without_templates_it_does_arkits_52(face, head):
     rig = make_rig(face, settings=RigSettings(head=BARE)).rig
     assert rig.names == head.action_names and len(rig.neutral) == 4200
+
+
+def test_eyes_and_tongue_go_by_what_an_expression_is_made_of(face, head, head_template):
+    """By whatever name; half of an action is half of it."""
+    full = head_expressions(head, head_template)
+    names = ("eyeLookOutLeft", "eyeLookInRight", "eyeLookUpLeft", "tongueOut")
+    rows = [full.names.index(name) for name in names]
+    looks = {"eyeLookOutLeft": 1.0, "eyeLookInRight": 1.0}
+    made_of = {"glance": looks, "eyeLookUpLeft": {"eyeLookUpLeft": 0.5}, "bleh": {"tongueOut": 1.0}}
+    made_of |= {"tip": {"tongueOut": 0.5}, "smile": {"mouthSmileLeft": 0.7, "mouthSmileRight": 0.7}}
+    choice = RigSettings(head=HeadChoice(("skin", "eyes", "teeth", "tongue")))
+    mixed = make_rig(face, combine_templates(full, made_of), choice).rig
+    plain = make_rig(face, ExpressionTemplates(names, full.mesh, full.deltas[rows]), choice).rig
+    moves, single = (dict(zip(rig.names, rig.deltas, strict=True)) for rig in (mixed, plain))
+    eyes, tongue = (
+        np.unique(mixed.faces[mixed.triangle_materials == kind]) for kind in (Material.EYE, Material.TONGUE)
+    )
+    np.testing.assert_allclose(moves["glance"][eyes], sum(single[name] for name in looks)[eyes], atol=1e-7)
+    up = np.linalg.norm([moves["eyeLookUpLeft"][eyes], single["eyeLookUpLeft"][eyes]], axis=2).max(1)
+    assert 0.45 < up[0] / up[1] < 0.55
+    out = [np.linalg.norm(each[tongue], axis=1).max() for each in (moves["tip"], moves["bleh"], single["tongueOut"])]
+    assert 0.3 * out[1] < out[0] < 0.7 * out[1] and abs(out[1] - out[2]) < 0.1 * out[2]
+    np.testing.assert_array_equal(mixed.actions, action_codes([*made_of.values()]))
+    assert plain.actions is None
 
 
 def test_another_topology_is_refused(templates, ball):
