@@ -134,7 +134,7 @@ class RigTask:
         from caricli.methods.rig.rig_figures import describe_rig
         from caricli.render.in_parallel import do_in_parallel
         from caricli.store.expression_templates import load_templates
-        from caricli.store.rig_sources import picture_sources
+        from caricli.store.rig_sources import load_pictures, picture_sources
 
         if self.usd:
             require_usd(out.with_suffix(".usdz"))
@@ -148,7 +148,7 @@ class RigTask:
         paths = [*_paths(out, self.usd), *picture_files(out.with_suffix(".png"))]
         with staged(*paths, overwrite=self.overwrite, inputs=inputs) as files:
             glb, npz, json, *others = files
-            images = given.pictures if given.pictures and self.texture is None else pictures.load()
+            images = load_pictures(face, self.texture)
             moods = [(path, Mood(name, read_image(path))) for name, path in self.moods.items()]
             with naming(face), progress_bar("expressions"):
                 rest = _rest(given, self.neutral)

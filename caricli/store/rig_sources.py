@@ -47,23 +47,37 @@ class PictureSources:
 
 
 def picture_sources(face: Path, texture: Path | None = None) -> PictureSources:
-    """The pictures on a face: the given one, else what the NPZ names, or the OBJ, itself or beside the NPZ; and of the
-    eyes what they name, or the `eyes.png` beside the skin's, as of the bust `bust.png`.
+    """The pictures on a face: what the NPZ names, or the OBJ, itself or beside the NPZ; and of the eyes what they name,
+    or the `eyes.png` beside the skin's, as of the bust `bust.png`.
 
-    face: path of an OBJ or NPZ. texture: path of the skin's picture, or None to look for it.
+    face: path of an OBJ or NPZ. texture: path of a picture of the skin in the place of its own, or None; it brings the
+    eyes and the bust that are beside it, and a bust in the colours of another skin is left.
     """
-    if texture is None and face.suffix.lower() == ".npz" and face.is_file():
+    own = _own_sources(face)
+    if texture is None:
+        return own
+    eyes = _beside(texture, EYES_FILE)
+    return replace(own, skin=texture, eyes=eyes or own.eyes, bust=_beside(texture, BUST_FILE))
+
+
+def _own_sources(face: Path) -> PictureSources:
+    if face.suffix.lower() == ".npz" and face.is_file():
         names = read_picture_names(face)
         if names != PictureNames():
             return PictureSources(*(None if name is None else face.with_name(name) for name in names))
     mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
-    named = material_pictures(mesh) if texture is None and mesh.is_file() else {}
+    named = material_pictures(mesh) if mesh.is_file() else {}
     eyes = named.pop(EYES, None)
-    skin = next(iter(named.values()), None) if texture is None else texture
-    if skin is not None and eyes is None and skin.with_name(EYES_FILE).is_file():
-        eyes = skin.with_name(EYES_FILE)
-    bust = None if skin is None else skin.with_name(BUST_FILE)
-    return PictureSources(skin, eyes, bust=bust if bust is not None and bust.is_file() else None)
+    skin = next(iter(named.values()), None)
+    if skin is None:
+        return PictureSources(None, eyes)
+    return PictureSources(skin, eyes or _beside(skin, EYES_FILE), bust=_beside(skin, BUST_FILE))
+
+
+def _beside(path: Path, name: str) -> Path | None:
+    """The file of a name beside another, where there is one."""
+    other = path.with_name(name)
+    return other if other.is_file() else None
 
 
 def load_shown_face(path: Path) -> Face:
@@ -95,8 +109,12 @@ def _gltf_face(path: Path) -> Face:
     return Face(scene)
 
 
-def load_pictures(face: Path) -> Pictures:
-    """What is on a face: as ``picture_sources`` has it, or in a GLB or glTF. face: path of any."""
-    if face.suffix.lower() in SUFFIXES:
-        return read_gltf(face).pictures
-    return picture_sources(face).load()
+def load_pictures(face: Path, texture: Path | None = None) -> Pictures:
+    """What is on a face: as ``picture_sources`` has it, or in a GLB or glTF that is one painted mesh.
+
+    face: path of any. texture: path of a picture of the skin in the place of its own, or None.
+    """
+    if face.suffix.lower() not in SUFFIXES:
+        return picture_sources(face, texture).load()
+    own = _gltf_face(face).pictures
+    return own if texture is None else replace(own, skin=read_image(texture), bust=None)

@@ -164,7 +164,8 @@ def test_rig_takes_both_pictures_along(run, textured, tmp_path, monkeypatch):
 def test_pictures_of_a_face(textured, tmp_path):
     expected = PictureSources(*(textured / name for name in ("texture.png", "eyes.png")), bust=textured / "bust.png")
     assert picture_sources(textured / "face.npz") == picture_sources(textured / "face.obj") == expected
-    assert picture_sources(textured / "face.npz", tmp_path / "other.png") == PictureSources(tmp_path / "other.png")
+    other = PictureSources(tmp_path / "other.png", textured / "eyes.png")
+    assert picture_sources(textured / "face.npz", tmp_path / "other.png") == other
     assert picture_sources(tmp_path / "none.npz") == PictureSources()
 
 

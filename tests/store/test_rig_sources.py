@@ -2,11 +2,13 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.io.face import write_face
+from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.meshes.obj import write_obj
 from caricli.store.any_file import files_beside
-from caricli.store.rig_sources import PictureSources, load_shown_face, picture_sources
-from caricli.structures import Mesh
+from caricli.store.rig_sources import PictureSources, load_pictures, load_shown_face, picture_sources
+from caricli.structures import Face, Mesh, Pictures, Rig
 
 
 def test_a_file_is_named_once_where_its_material_leads_away(tmp_path):
@@ -43,3 +45,31 @@ def test_eyes_and_bust_lie_beside_the_picture_of_the_skin(tmp_path):
         write_png(tmp_path / name, np.zeros((4, 4, 3), np.uint8))
         assert picture_sources(tmp_path / "face.obj") == picture_sources(tmp_path / "face.npz") == sources
     assert picture_sources(tmp_path / "face.obj", skin) == sources
+
+
+def test_another_skin_leaves_eyes_and_hair_as_they_are(tmp_path):
+    """And brings the eyes that lie beside it; a bust has the colours of its own skin."""
+    faces = np.array([[0, 1, 2]], np.int32)
+    mesh = Mesh(np.eye(3), faces, np.eye(3)[:, :2], faces)
+    shades = {name: np.full((4, 4, 3), k, np.uint8) for k, name in enumerate(("skin", "eyes", "hair", "bust"))}
+    (tmp_path / "own").mkdir()
+    own = tmp_path / "own" / "face.npz"
+    write_face(own, Face(mesh, pictures=Pictures(**shades)))
+    other = tmp_path / "other.png"
+    write_png(other, np.full((4, 4, 3), 99, np.uint8))
+    pictures = load_pictures(own, other)
+    assert [None if each is None else each.max() for each in pictures] == [99, 1, 2, None]
+    write_png(tmp_path / "eyes.png", np.full((4, 4, 3), 88, np.uint8))
+    assert load_pictures(own, other).eyes.max() == 88
+    assert [each.max() for each in load_pictures(own)] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_a_painted_glb_keeps_its_picture(tmp_path, other):
+    faces = np.array([[0, 1, 2]], np.int32)
+    mesh = Mesh(np.eye(3, dtype=np.float32), faces, np.eye(3)[:, :2], faces)
+    painted = Rig((), mesh, np.zeros((0, 3, 3), np.float32), pictures=Pictures(np.full((4, 4, 3), 7, np.uint8)))
+    write_gltf(tmp_path / "face.glb", painted)
+    write_png(tmp_path / "other.png", np.full((4, 4, 3), 99, np.uint8))
+    skin = load_pictures(tmp_path / "face.glb", tmp_path / "other.png" if other else None).skin
+    assert skin.max() == (99 if other else 7)
