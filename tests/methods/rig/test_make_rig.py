@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError, NumericsError
+from caricli.geometry.alignment.rotation_vectors import rotation_matrices
 from caricli.io.gltf.write_gltf import shading_normals
 from caricli.methods.rig.expression_templates import ExpressionTemplates, combine_templates
 from caricli.methods.rig.head_expressions import head_expressions
@@ -210,6 +211,17 @@ def test_eyes_and_tongue_go_by_what_an_expression_is_made_of(face, head, head_te
     assert 0.3 * out[1] < out[0] < 0.7 * out[1] and abs(out[1] - out[2]) < 0.1 * out[2]
     np.testing.assert_array_equal(mixed.actions, action_codes([*made_of.values()]))
     assert plain.actions is None
+
+
+def test_a_face_that_lies_on_its_back_wears_its_skin_alone(templates, face):
+    """As of programs whose z is up; one that is only inclined is as good as any."""
+    lying, inclined = (
+        face.with_vertices(face.vertices @ rotation_matrices(np.radians([turn, 0, 0])).T) for turn in (90, 20)
+    )
+    with pytest.raises(InputError, match=r"looks to \+z and has \+y up.*found one turned by 9. degrees.*--parts skin"):
+        make_rig(lying, templates)
+    assert len(make_rig(lying, templates, RigSettings(head=BARE)).rig.neutral) == 4200
+    assert len(make_rig(inclined, templates).rig.neutral) > 4200
 
 
 def test_another_topology_is_refused(templates, ball):
