@@ -189,7 +189,7 @@ def skull_errors(face, portrait, template):
 def measure(portrait, model, reader):
     """Figures of one portrait without its picture and with it, and how its ears are turned away (6,) in degrees."""
     figures = []
-    parsed = ParsedPicture(portrait.image, reader.parse(portrait.image, portrait.points))
+    parsed = ParsedPicture(portrait.image, reader.given(portrait.image, portrait.points).regions)
     for picture in (None, parsed):
         start = time.process_time()
         fit = fit_landmarks(portrait.points, model, picture=picture)
