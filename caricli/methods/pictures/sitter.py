@@ -101,7 +101,7 @@ class Wardrobe:
         pieces = [skin, *self._parts(head, skin, generator), *worn]
         pieces += self.beard(skin, appearance, generator)
         marks = vertices[self.template.annotation.landmarks]
-        if len(marks) > POINT_NAMES["chin"] and generator.random() < settings.glasses:
+        if self.template.annotation.has_extra and generator.random() < settings.glasses:
             pieces += random_glasses(marks, generator.random() < settings.dark, generator)
         together = join_pieces(pieces)
         normals, transfer = self.light_transfer(head, together, len(skin.vertices))

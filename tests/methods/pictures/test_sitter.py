@@ -1,3 +1,4 @@
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -73,6 +74,15 @@ def test_what_is_worn_is_seen_and_hides_what_is_behind(wardrobe, worn, region, h
     _, drawing = _drawn(wardrobe)
     assert (drawing.region == region).sum() > 40
     assert not drawing.visible[list(hidden)].any()
+
+
+def test_who_has_no_landmarks_at_the_ears_wears_no_glasses(wardrobe):
+    head = wardrobe.template
+    other = copy(wardrobe)
+    other.template = replace(head, annotation=replace(head.annotation, landmarks=head.annotation.landmarks[:68]))
+    other.settings = replace(PLAIN, glasses=1)
+    sitter, drawing = _drawn(other)
+    assert len(drawing.points) == 68 and not (sitter.pieces.region == Region.GLASSES).any()
 
 
 def test_who_grins_bares_teeth(wardrobe):
