@@ -11,6 +11,7 @@ from caricli.methods.pictures.draw_sitter import Drawing, draw_sitter, random_st
 from caricli.methods.pictures.held import hold_before
 from caricli.methods.pictures.light import Sky, random_sky
 from caricli.methods.pictures.media import MEDIA
+from caricli.methods.pictures.piece import Piece
 from caricli.methods.pictures.pose import random_pose
 from caricli.methods.pictures.settings import PoseSettings, SceneSettings
 from caricli.methods.pictures.sitter import Sitter
@@ -79,7 +80,7 @@ class Easel:
         faces = [(order, number, drawing) for order, (number, drawing, away) in enumerate(people) if not away]
         if faces and generator.random() < self.scene.held:
             _, number, drawing = faces[-1]
-            hold_before(image, region, drawing.points, sitters[number].pieces.colours[0] * sky.above, generator)
+            hold_before(image, region, drawing.points, _skin_tone(sitters[number].pieces) * sky.above, generator)
             latest[region == Region.OTHER] = len(people)
         medium = str(generator.choice(list(MEDIA), p=[share for _, share in MEDIA.values()]))
         finished, labels = self._finish(image, region, medium, generator)
@@ -148,6 +149,12 @@ class Easel:
             pose.perspective,
             sky.harmonics(DIRECTIONS),
         )
+
+
+def _skin_tone(pieces: Piece) -> np.ndarray:
+    """(3,) linear light, unlit: the usual colour of what is bare skin, or of all where nothing is."""
+    skin = pieces.region == Region.SKIN
+    return np.median(pieces.colours[skin if skin.any() else slice(None)], axis=0)
 
 
 def _exposed(image: np.ndarray, region: np.ndarray, generator: np.random.Generator) -> np.ndarray:

@@ -17,8 +17,13 @@ from caricli.structures.parsing import Region
 SIZE = 32
 GROUND = 0.25
 COLOURS = np.array([[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9], [0.9, 0.9, 0.1]])
-SITTERS: list[Any] = [SimpleNamespace(skin=None, pieces=SimpleNamespace(colours=colour[None])) for colour in COLOURS]
-"""Squares in the middle of the picture, as large as their pose says."""
+SHADES = [0.1, 1, 1, 2, 2, 2, 2]
+SHOWN = np.repeat([Region.SKIN, Region.HAIR], [3, 4])
+SITTERS: list[Any] = [
+    SimpleNamespace(skin=None, pieces=SimpleNamespace(colours=np.outer(SHADES, colour), region=SHOWN))
+    for colour in COLOURS
+]
+"""Squares in the middle of the picture, as large as their pose says, of a skin with a dark spot, and bright hair."""
 ALONE = SceneSettings(none=0, several=0, held=0)
 TOGETHER = SceneSettings(none=0, several=1, held=0)
 
@@ -35,7 +40,7 @@ def asked(monkeypatch):
     def drawn(sitter, pose, size, sky, strands, generator):
         away = np.abs(np.mgrid[:size, :size] - (size - 1) / 2).max(0)
         inside = away < pose.scale / 2
-        colours = np.where(inside[..., None], sitter.pieces.colours[0], 7.0).astype(np.float32)
+        colours = np.where(inside[..., None], sitter.pieces.colours[1], 7.0).astype(np.float32)
         # In the middle, at the left of the square, and in a corner of the picture.
         points = np.array([[size / 2, size / 2], [size / 2 - pose.scale / 2 + 1, size / 2], [1.0, 1.0]])
         return Drawing(colours, np.where(inside, Region.SKIN, 0).astype(np.uint8), points, np.ones(3, bool), pose)
@@ -149,6 +154,11 @@ def test_what_is_held_is_before_the_nearest_face_in_its_light_and_hides_it(asked
         np.testing.assert_array_equal(nearest.light, sky.harmonics(DIRECTIONS))
     Easel(SIZE, SceneSettings(none=1, away=1, held=1)).compose(SITTERS, 0, generator)
     assert len(told) == 2, "nothing is held before the back of a head"
+
+
+def test_who_has_no_bare_skin_has_hands_nevertheless():
+    pieces: Any = SimpleNamespace(colours=COLOURS[[0, 1, 1]], region=np.full(3, Region.HAT))
+    np.testing.assert_array_equal(compose._skin_tone(pieces), COLOURS[1])
 
 
 def test_media_get_the_picture_in_srgb_and_its_labels_of_the_size_that_was_asked_for(asked, monkeypatch):
