@@ -268,16 +268,15 @@ class Original:
     @cached_property
     def lids(self) -> dict[str, np.ndarray]:
         """Of the left and the right eye (W,) bool, by their names: vertices of lids and around them, where eyes that
-        are drawn larger than the head's may lie.
+        are drawn larger than the head's may lie; none where the annotation does not name them.
         """
-        lids = {}
-        for name in self.eyes:
-            own = self.rig.neutral[np.flatnonzero(self.template.mask(name))]
-            middle = own.mean(0)
-            reach = _AROUND_EYE * np.linalg.norm(own - middle, axis=1).max()
-            near = np.linalg.norm(self.rig.neutral - middle, axis=1) < reach
-            near[len(self.template.vertices) :] = False
-            lids[name] = near
+        skin = self.rig.neutral[: len(self.template.vertices)]
+        lids = {name: np.zeros(len(self.rig.neutral), bool) for name in self.eyes}
+        for name, near in lids.items():
+            own = skin[self.template.mask(name)]
+            if len(own):
+                away = np.linalg.norm(skin - own.mean(0), axis=1)
+                near[: len(skin)] = away < _AROUND_EYE * np.linalg.norm(own - own.mean(0), axis=1).max()
         return lids
 
     @cached_property

@@ -141,6 +141,14 @@ def test_a_head_without_texture_is_drawn_and_says_so(stage):
     assert error(again, truth, moved) < 0.6 * error(picture, truth, moved)
 
 
+def test_a_head_whose_lids_have_no_name_opens_its_mouth_all_the_same(stage):
+    note = stage.template.annotation
+    regions = {name: ids for name, ids in note.regions.items() if not name.startswith("eyes_")}
+    plain = replace(stage, template=replace(stage.template, annotation=replace(note, regions=regions)))
+    again, usual = (redraw_picture(each.original(stage.shape()), stage.shape(**OPEN)) for each in (plain, stage))
+    np.testing.assert_array_equal(again, usual)
+
+
 def test_what_a_picture_does_not_tell(stage):
     assert stage.original(stage.shape()).unknown() == []
     assert "mouth open" in stage.original(stage.shape(jawOpen=1.0)).unknown()[0]
