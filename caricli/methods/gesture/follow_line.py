@@ -204,12 +204,20 @@ def _outlines(sight: Sight, region: np.ndarray, drawn: np.ndarray) -> list[tuple
     for chain in zero_lines(sight.facing, sight.mesh.faces):
         points = chain.of(placed)
         ids = np.where(chain.share < 0.5, chain.ends[:, 0], chain.ends[:, 1])
-        shown = region[ids] & _bridged(seen_points(points, placed, sight.mesh.faces, _HIDDEN * extent), points, extent)
+        seen = seen_points(points, placed, sight.mesh.faces, _HIDDEN * extent)
         closed = (chain.ends[0] == chain.ends[-1]).all()
         if closed:
-            # Begin a ring where it is not seen, or else away from the line, so that no part of it is cut there.
+            # A ring begins where it is seen, so that all that is hidden lies between two points that are.
+            begin = int(seen.argmax())
+            around = np.append(np.arange(begin, len(ids) - 1), np.arange(begin + 1))
+            seen, ids, points = (each[around] for each in (seen, ids, points))
+        shown = region[ids] & _bridged(seen, points, extent)
+        if closed:
+            # It is cut where it is not shown, or else away from the line, so that no part of it is cut there; this
+            # point is in no part, or it would be in another one the other way round.
             turn = int(np.where(shown, cdist(points[:, :2], drawn).min(1), np.inf).argmax())
             shown, ids, points = (np.roll(each[:-1], -turn, axis=0) for each in (shown, ids, points))
+            shown[0] = False
         borders = np.flatnonzero(np.diff(np.concatenate([[False], shown, [False]]).astype(int)))
         for start, end in borders.reshape(-1, 2):
             if end - start > 2:

@@ -5,10 +5,10 @@ from caricli.errors import InputError
 from caricli.geometry.lines.line_distances import line_distances
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.subdivide import subdivide
-from caricli.methods.gesture.follow_line import follow_line, outline_targets
+from caricli.methods.gesture.follow_line import _outlines, follow_line, outline_targets
 from caricli.methods.gesture.selection import Selection, mark_handles, select_region
 from caricli.methods.gesture.settings import GestureSettings
-from caricli.methods.gesture.sight import SeenStroke
+from caricli.methods.gesture.sight import SeenStroke, Sight
 from caricli.structures import Camera, Face, Mesh
 from tests.methods.gesture.conftest import mark, ring, view
 
@@ -80,16 +80,54 @@ def test_without_handles_the_outline_goes_to_the_line(face, head_template):
     assert after.mean() < 0.4 * before.mean()
 
 
-@pytest.mark.parametrize("degrees", range(0, 360, 45))
-def test_an_outline_that_is_a_whole_ring_is_met_wherever_it_begins(ball, degrees):
+@pytest.fixture(scope="module")
+def round_face(ball):
+    """Face that is a unit sphere."""
     weights, quads = subdivide(ball[1], len(ball[0]), 2, 10_000)
     points = weights @ ball[0]
-    face = Face(Mesh(points / np.linalg.norm(points, axis=1, keepdims=True), quads))
-    camera = Camera(100.0, np.diag([1.0, -1, -1]), np.zeros(2))
+    return Face(Mesh(points / np.linalg.norm(points, axis=1, keepdims=True), quads))
+
+
+FRONT = Camera(100.0, np.diag([1.0, -1, -1]), np.zeros(2))
+
+
+def arc(degrees):
+    """(20, 2) pixels of a line beside the outline of a unit sphere that FRONT sees."""
     turns = np.radians(degrees + np.linspace(-60, 60, 20))
-    line = 105 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    ids, _ = outline_targets(face, camera, line, Selection(), GestureSettings())
-    assert line_distances(camera.project(face.vertices[ids]), [line]).max() < 30
+    return 105 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+
+
+@pytest.mark.parametrize("degrees", range(0, 360, 45))
+def test_an_outline_that_is_a_whole_ring_is_met_wherever_it_begins(round_face, degrees):
+    line = arc(degrees)
+    ids, _ = outline_targets(round_face, FRONT, line, Selection(), GestureSettings())
+    assert line_distances(FRONT.project(round_face.vertices[ids]), [line]).max() < 30
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_an_outline_goes_on_behind_what_hides_it_shortly_wherever_its_ring_begins(round_face, order):
+    """A small triangle is before the right end of a sphere, whose vertices there are the first or the last ones."""
+    vertices = round_face.vertices
+    first = np.argsort(order * np.linalg.norm(vertices - [1, 0, 0], axis=1))
+    faces = np.argsort(first)[round_face.faces]
+    small = np.array([1.0, 0, 2]) + 0.04 * np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]])
+    mesh = Mesh(np.vstack([vertices[first], small]), np.vstack([faces, len(vertices) + np.arange(3)]))
+    line = arc(0)
+    ids, _ = outline_targets(Face(mesh), FRONT, line, Selection(), GestureSettings())
+    assert line_distances(line, [FRONT.project(mesh.vertices[ids])]).max() < 10
+
+
+def test_a_whole_ring_is_cut_in_one_place_however_vertices_are_numbered(round_face):
+    vertices = round_face.vertices
+    lines = []
+    for seed in range(4):
+        first = np.random.default_rng(seed).permutation(len(vertices))
+        sight = Sight(Mesh(vertices[first], np.argsort(first)[round_face.faces]), FRONT)
+        parts = _outlines(sight, np.ones(len(vertices), bool), arc(0))
+        points = max((points for _, points in parts), key=len)
+        lines.append(points if points[0, 1] < points[-1, 1] else points[::-1])
+    for points in lines[1:]:
+        np.testing.assert_allclose(points, lines[0], atol=1e-6)
 
 
 def test_what_no_line_can_mean_is_refused(face, head_template, brow):
