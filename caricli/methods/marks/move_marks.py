@@ -57,7 +57,8 @@ def move_group(marks: Landmarks, group: str, move: GroupMove, symmetric_on: Temp
     """Shift, turn and scale the known points of a group about their centre.
 
     marks: Landmarks. group: of GROUPS, or FACE for all. move: GroupMove. symmetric_on: as in ``move_point``; a group
-    that has both sides of the face, as the mouth, has no partner.
+    that has both sides of the face, as the mouth, has no partner. Both sides turn and grow about the centre of those
+    points that are known on both.
     Raises InputError for an unknown group, one without known points and a scale of zero or less.
     """
     numbers = group_points(marks, group)
@@ -66,14 +67,17 @@ def move_group(marks: Landmarks, group: str, move: GroupMove, symmetric_on: Temp
     linear = move.scale * turn_axes(np.radians(move.turn)).T
     shift = np.array(move.shift)
     points = marks.points.copy()
-    points[numbers] = _about_centre(points[numbers], linear, shift)
     slides = _turned(marks.slides, numbers, linear)
-    partners = [k for k in (MIRRORED[number] for number in numbers) if marks.known[k]]
+    partners = [] if symmetric_on is None else _mirrored_points(marks, group)
     if symmetric_on is None or not partners or set(partners) & set(numbers):
+        points[numbers] = _about_centre(points, numbers, linear, numbers) + shift
         return _placed(marks, points, numbers, slides)
     mirror = mirror_map(marks.points, symmetric_on)
     other = mirror @ linear @ mirror
-    points[partners] = _about_centre(points[partners], other, mirror @ shift)
+    # About what is known on both sides, so that these make mirrored moves.
+    paired = [k for k in numbers if MIRRORED[k] in partners]
+    points[numbers] = _about_centre(points, numbers, linear, paired) + shift
+    points[partners] = _about_centre(points, partners, other, [MIRRORED[k] for k in paired]) + mirror @ shift
     return _placed(marks, points, [*numbers, *partners], _turned(slides, partners, other))
 
 
@@ -95,17 +99,29 @@ def group_points(marks: Landmarks, group: str) -> list[int]:
     """Numbers of the known points of a group. Raises InputError where there are none, or no such group."""
     if group not in (FACE, *GROUPS):
         raise InputError(f"group: expected {', '.join([FACE, *GROUPS])}, found {group}")
-    every = range(len(marks.points)) if group == FACE else GROUPS[group]
-    numbers = [k for k in every if k < len(marks.points) and marks.known[k]]
+    numbers = [k for k in _numbers(marks, group) if marks.known[k]]
     if not numbers:
         raise InputError(f"group: expected a known point of {group}, found none")
     return numbers
 
 
-def _about_centre(points: np.ndarray, linear: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """Points (K, 2) under a linear map (2, 2) about their centre, then shifted."""
-    centre = points.mean(0)
-    return (points - centre) @ linear.T + centre + shift
+def _mirrored_points(marks: Landmarks, group: str) -> list[int]:
+    """Numbers of the known points of a group on the other side of the face."""
+    mates = [MIRRORED[k] for k in _numbers(marks, group)]
+    return [k for k in mates if marks.known[k]]
+
+
+def _numbers(marks: Landmarks, group: str) -> list[int]:
+    """Numbers of all points of a group that landmarks of their scheme have."""
+    every = range(len(marks.points)) if group == FACE else GROUPS[group]
+    return [k for k in every if k < len(marks.points)]
+
+
+def _about_centre(points: np.ndarray, numbers: list[int], linear: np.ndarray, centred: list[int]) -> np.ndarray:
+    """(K, 2) of points (L, 2), those of some numbers under a linear map (2, 2) about the centre of others, or, where
+    there are none, about their own."""
+    centre = points[centred or numbers].mean(0)
+    return (points[numbers] - centre) @ linear.T + centre
 
 
 def _placed(marks: Landmarks, points: np.ndarray, moved: list[int], slides: np.ndarray | None) -> Landmarks:

@@ -150,6 +150,33 @@ def test_a_group_of_one_side_takes_its_partner_along(marks, template):
     assert not alone.known[list(GROUPS["brow_right"])].any()
 
 
+@pytest.mark.parametrize("off", [22, 26, 21], ids=["inner end", "outer end", "end of the other side"])
+def test_both_sides_make_mirrored_moves_where_a_point_is_off(seen, template, off):
+    marks = switch_off(Landmarks(seen(template.vertices, yaw=15, roll=10, count=81).points), [off])
+    moved = move_group(marks, "brow_left", GroupMove((4.0, -6.0), 12.0, 1.2), template)
+    left = [k for k in GROUPS["brow_left"] if marks.known[k]]
+    right = [k for k in GROUPS["brow_right"] if marks.known[k]]
+    ways = moved.points - marks.points
+    pairs = [k for k in left if marks.known[MIRRORED[k]]]
+    mirror = mirror_map(marks.points, template)
+    ours, theirs = (ways[each].mean(0) for each in (pairs, [MIRRORED[k] for k in pairs]))
+    np.testing.assert_allclose(ours, [4, -6], atol=1e-9)
+    np.testing.assert_allclose(theirs, mirror @ ours, atol=1e-9)
+    # All of a side makes one move, that of which the point on the other side is off, too.
+    for side in (left, right):
+        places = np.column_stack([marks.points[side], np.ones(len(side))])
+        rest = moved.points[side] - places @ np.linalg.lstsq(places, moved.points[side])[0]
+        np.testing.assert_allclose(rest, 0, atol=1e-9)
+    np.testing.assert_array_equal(np.flatnonzero(np.nan_to_num(ways).any(1)), sorted(left + right))
+
+
+def test_sides_that_share_no_point_move_about_their_own_centres(marks, template):
+    apart = switch_off(marks, [22, 23, 24, 17, 18])
+    moved = move_group(apart, "brow_left", GroupMove((4.0, -6.0), scale=1.5), template).points - apart.points
+    np.testing.assert_allclose(moved[[25, 26]].mean(0), [4, -6], atol=1e-9)
+    np.testing.assert_allclose(moved[[19, 20, 21]].mean(0), [-4, -6], atol=0.05)
+
+
 def test_names_and_partners_agree():
     for name, number in POINT_NAMES.items():
         other = name.replace("left", "?").replace("right", "left").replace("?", "right")
