@@ -161,6 +161,19 @@ def test_the_skin_of_a_rig_with_eyes_is_known(inspect, run, head_template, tmp_p
     assert report["beside"] == ["rig.glb", "rig.json", "rig.png"]
 
 
+@pytest.mark.parametrize("suffix", [".npz", ".glb"])
+def test_the_skin_of_a_rig_is_known_where_it_comes_last(inspect, ball, head_template, suffix, tmp_path):
+    eye, faces = ball
+    vertices = np.vstack([0.01 * eye, head_template.vertices]).astype(np.float32)
+    mesh = Mesh(vertices, np.vstack([faces, len(eye) + head_template.faces]))
+    materials = np.repeat([Material.EYE, Material.SKIN], [len(faces), len(head_template.faces)])
+    path = tmp_path / f"rig{suffix}"
+    rig = Rig((), mesh, np.zeros((0, *vertices.shape), np.float32), materials.astype(np.int32))
+    (write_rig if suffix == ".npz" else write_gltf)(path, rig)
+    lines, report = inspect(path)
+    assert "topology: that of the bundled models" in lines and report["mesh"]["flipped"] == 0
+
+
 def test_models_maps_and_directions(inspect):
     lines, report = inspect(asset_path("pca.safetensors"))
     assert "trained with 720 people" in lines and report["people"] == 720

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from caricli.errors import shown
 from caricli.methods.inspect.check_mesh import MeshCheck, check_mesh
 from caricli.structures import Material, Mesh, Rig
@@ -97,13 +99,16 @@ class MeshWords:
 
     @classmethod
     def of_skin(cls, rig: Rig, around: Acquaintances) -> "MeshWords":
-        """Check the mesh of a rig; its topology is that of the skin, whether there are eyes or not."""
+        """Check the mesh of a rig; its topology is that of the skin, wherever in the file this comes."""
         faces = rig.faces[rig.triangle_materials == Material.SKIN]
         if not len(faces) or len(faces) == len(rig.faces):
             return cls.of(rig.mesh, around)
-        skin = cls.of(Mesh(rig.neutral[: faces.max() + 1], faces), around)
+        used, numbers = np.unique(faces, return_inverse=True)
         whole = check_mesh(rig.mesh)
-        return cls(replace(whole, flipped=skin.check.flipped), skin.same)
+        if not np.array_equal(numbers.reshape(-1, 3), around.head.faces):
+            return cls(whole, False)
+        skin = check_mesh(around.head.with_vertices(rig.neutral[used]), around.head)
+        return cls(replace(whole, flipped=skin.flipped), True)
 
     @property
     def counts(self) -> str:
