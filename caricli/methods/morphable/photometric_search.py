@@ -172,7 +172,7 @@ def skin_patch(model: MorphableModel) -> tuple[Patch, np.ndarray, torch.Tensor]:
     """
     template = model.template
     faces = template.faces
-    region = template.mask("face")
+    region = np.isin(np.arange(len(template.vertices)), template.region("face"))
     around = region[faces].any(1)
     skin = region & ~template.mask(*(name for name in _HOLES if name in template.annotation.regions))
     ids = np.union1d(faces[around], template.annotation.anchor_ids())

@@ -1,3 +1,4 @@
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -6,6 +7,7 @@ import torch
 
 from caricli.errors import InputError
 from caricli.methods.morphable.fit_photometric import fit_photometric
+from caricli.methods.morphable.photometric_search import skin_patch
 from caricli.methods.morphable.renderer import MorphableRenderer
 from caricli.methods.morphable.settings import PhotometricSettings
 from caricli.methods.morphable.wear_colours import wear_colours
@@ -14,6 +16,8 @@ from caricli.store.models import load_morphable
 from caricli.structures import Face, Landmarks
 from caricli.structures.detection import FacePicture
 from caricli.structures.parsing import Region
+from caricli.template.annotation import CAVITIES
+from caricli.template.chart import NOSTRILS
 
 SIDE = 200
 
@@ -91,6 +95,17 @@ def test_what_does_not_show_skin_does_not_count(model, scene, fit):
     assert seen.after < 1.5 * fit.after
     with pytest.raises(InputError, match="skin"):
         fit_photometric(picture_of(points, picture, np.zeros_like(regions)), model)
+
+
+def test_where_no_region_is_the_face_all_of_the_head_may_show_skin(model):
+    plain = copy(model)
+    template = model.template
+    regions = {name: ids for name, ids in template.annotation.regions.items() if name != "face"}
+    plain.template = replace(template, annotation=replace(template.annotation, regions=regions))
+    _, vertex, triangle = skin_patch(plain)
+    holes = template.mask(*CAVITIES, *NOSTRILS)[template.faces].any(1)
+    assert (vertex >= 0).all() and holes.any()
+    np.testing.assert_array_equal(triangle.numpy() >= 0, ~holes)
 
 
 def test_an_identity_that_is_given_stays(model, scene):
