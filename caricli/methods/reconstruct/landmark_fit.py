@@ -41,7 +41,8 @@ class LandmarkFit:
     part_errors: percent, mean distances by part of the face.
     rounds: iterations that it took.
     settings: IntrinsicSettings or LatentSettings.
-    outline: Outline of what was found in the picture besides, or None where nobody looked; in no error.
+    outline: Outline of what was found in the picture besides, or None where nobody looked; in no error but those of
+    detected ears, which are where it and the detector together say.
     neck: how many times as wide as landmarks alone tell it the neck is, because the picture shows it so.
     """
 
