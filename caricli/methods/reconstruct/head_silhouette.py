@@ -22,12 +22,15 @@ def find_forehead(
     the forehead moves along its ray. Rays that do not agree say nothing.
 
     face: Face with the camera of the picture. template: of its topology. points: (68, 2) pixels.
-    Returns (3, 2) pixels of the picture, and their confidence (3,).
+    Returns (3, 2) pixels of the picture, and their confidence (3,), which is 0 where the root is unknown.
     """
+    nothing = np.full((len(FOREHEAD), 2), np.nan), np.zeros(len(FOREHEAD))
     size = np.array(window.skin.shape[1::-1]) // 2
     covered = cv2.resize(window.covered.astype(np.uint8), size.tolist()) > 0
     marks = (window.to_window(points) + 0.5) / 2 - 0.5
     root = marks[POINT_NAMES["nose_root"]]
+    if not np.isfinite(root).all():
+        return nothing
     brow = int(np.clip(np.nanmin(marks[list(BROWS), 1], initial=size[1]), 0, size[1]))
     small = cv2.resize(window.lab, size.tolist(), interpolation=cv2.INTER_AREA)
     head = _cut(window, small, covered, brow)
@@ -40,8 +43,8 @@ def find_forehead(
         [_end(head, small, ray, steps) / _reach(fitted, way) for ray, way in zip(rays, fitted[ids], strict=True)]
     )
     ratios = ratios[np.isfinite(ratios)]
-    if len(ratios) < 2 or not np.isfinite(root).all():
-        return np.full((len(FOREHEAD), 2), np.nan), np.zeros(len(FOREHEAD))
+    if len(ratios) < 2:
+        return nothing
     ratio = np.clip(np.median(ratios), *_SETTINGS.limits)
     places = root + ratio**_SETTINGS.power * (own - root)
     sure = _SETTINGS.trust / (1 + (np.ptp(ratios) / _SETTINGS.vague) ** 2)

@@ -122,6 +122,15 @@ def test_labels_tell_ears_before_a_background_of_their_colour(head, intrinsic, s
     assert by_labels < 0.7 * by_colours
 
 
+def test_an_unknown_root_of_the_nose_tells_nothing_of_the_forehead(frontal, intrinsic):
+    truth, image, alone, looked = frontal
+    points = truth.points[:68].copy()
+    points[27] = np.nan
+    outline = find_outline(alone.face, intrinsic.template, points, ParsedPicture(image), np.random.default_rng(0))
+    assert not outline.confidence[:3].any() and np.isnan(outline.points[:3]).all()
+    assert np.allclose(outline.points[3:9], looked.outline.points[3:9], atol=15)
+
+
 def test_what_is_found_is_said(frontal):
     truth, _, _, fit = frontal
     figures = fit.figures()["found_landmarks"]
