@@ -35,7 +35,7 @@ def draw(work: Work, parameters: Parameters, tools: Tools) -> Work:
 
 
 def erase(work: Work, parameters: Parameters, tools: Tools) -> Work:
-    """Rub out what lies under the path of an eraser; a stroke may become two.
+    """Rub out what lies under the path of an eraser; a stroke may become two. Where it meets none, nothing changes.
 
     points: rows [x, y], pixels of the canvas. radius: pixels.
     """
@@ -43,13 +43,15 @@ def erase(work: Work, parameters: Parameters, tools: Tools) -> Work:
     path = points(parameters, "points")
     radius = number(parameters, "radius", 0.1, _LARGEST)
     strokes = [piece for stroke in work.sketch.strokes for piece in rubbed(stroke, path, radius)]
+    if tuple(strokes) == work.sketch.strokes:
+        return work
     return _seen(work, work.sketch.with_strokes(strokes), tools)
 
 
 def clear(work: Work, parameters: Parameters, tools: Tools) -> Work:
-    """An empty canvas."""
+    """An empty canvas; where it is empty already, nothing changes."""
     only(parameters)
-    return _seen(work, work.sketch.with_strokes(()), tools)
+    return _seen(work, work.sketch.with_strokes(()), tools) if work.sketch.strokes else work
 
 
 def follow(work: Work, parameters: Parameters, tools: Tools) -> Work:

@@ -83,6 +83,21 @@ def test_an_empty_canvas_is_the_mean_face(start, works, tools):
     assert not rubbed.sketch.strokes and np.array_equal(rubbed.face.vertices, start.face.vertices)
 
 
+@pytest.mark.parametrize(
+    ("drawn", "operation"),
+    [
+        (True, Operation("erase", {"points": [[5, 5]], "radius": 2})),
+        (False, Operation("erase", {"points": [[256, 256]], "radius": 900})),
+        (False, Operation("clear")),
+    ],
+)
+def test_what_meets_no_stroke_leaves_the_face(start, works, tools, drawn, operation):
+    work = works[-1] if drawn else replace(works[-1], sketch=start.sketch)
+    after = operate(work, operation, tools)
+    assert after.face is work.face and after.sketch is work.sketch
+    assert after.strengths == work.strengths and after.weights == work.weights
+
+
 def test_lines_can_be_followed(start, tools):
     template = tools.model.template
     face = tools.model.decode(1.5 * tools.model.prior.factor[:, 0] + tools.model.prior.mean)
