@@ -1,5 +1,7 @@
 """People whose textures are simple functions of their expressions, in place of generated ones."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.data.texture_set import ActedTextures, TextureWriter
@@ -42,11 +44,12 @@ def _acted(head, grid, generator, person, body):
     )  # fmt: skip
 
 
-def write_acted_set(folder, head, size=32, **body):
-    """A folder of ``acted_people``. Returns it."""
+def write_acted_set(folder, head, size=32, shown=SHOWN, **body):
+    """A folder of ``acted_people`` with so many of their expressions. Returns it."""
     folder.mkdir(parents=True)
     writer = TextureWriter(folder)
     for person in acted_people(head, size, **body):
-        writer.add(person)
-    writer.finish({"size": size, "expressions": SHOWN, "splits": SPLITS})
+        parts = {name: getattr(person, name)[:shown] for name in ("pictures", "seen", "weights", "vertices")}
+        writer.add(replace(person, **parts))
+    writer.finish({"size": size, "expressions": shown, "splits": SPLITS})
     return folder

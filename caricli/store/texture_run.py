@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from caricli.data.texture_set import MANIFEST, ActedTextures, read_texture_set
+from caricli.data.texture_set import MANIFEST, ActedTextures, TextureSet, read_texture_set
 from caricli.errors import InputError, naming
 from caricli.io.provenance import made_of
 from caricli.methods.dynamic.chart_pictures import ChartGrid
@@ -67,13 +67,13 @@ def load_texture_ingredients(
     """People of folders of textures, painted in styles.
 
     drawings: folder of textures for the unpaired part, or None. styles: StyleBook. report: called with people done and
-    all. Raises InputError when a folder is none, damaged, of another topology than the others, or without people to
-    train or to validate with, and for drawings without an unpaired part.
+    all. Raises InputError when a folder is none, damaged, of another topology than the others, of other numbers of
+    expressions, or without people to train or to validate with, and for drawings without an unpaired part.
     """
     if drawings is not None and config.paired_epochs == config.epochs:
         settings = f"epochs={config.epochs} and unpaired={config.unpaired:g}"
         raise InputError(f"{drawings}: expected an unpaired part to train on it, found none with {settings}")
-    sets = [read_texture_set(folder) for folder in folders]
+    sets = _joinable_sets(folders)
     grid = ChartGrid(face_chart(load_head().template()), config.size)
     own, unseen = (
         [person for textures in sets for person in textures.people(split)] for split in ("train", "validation")
@@ -97,6 +97,16 @@ def load_texture_ingredients(
         pairs = painted(own, LookSeed.TRAINING)
         unpaired = None if drawings is None else painted(other, LookSeed.DRAWINGS)
         return TextureIngredients(pairs, painted(unseen, LookSeed.VALIDATION), unpaired)
+
+
+def _joinable_sets(folders: Sequence[Path]) -> list[TextureSet]:
+    """The textures of folders. Raises InputError where people of one have other numbers of expressions."""
+    sets = [read_texture_set(folder) for folder in folders]
+    for textures in sets:
+        if textures.shown != sets[0].shown:
+            expected = f"{sets[0].shown} expressions of everybody, as in {folders[0]}"
+            raise InputError(f"{textures.folder}: expected {expected}, found {textures.shown}")
+    return sets
 
 
 def _require_people(folders: str, people: dict[str, list[ActedTextures]]) -> None:

@@ -91,6 +91,13 @@ def test_a_folder_without_people_of_a_split_is_named(refused, textures, tmp_path
     assert not (tmp_path / "run").exists()
 
 
+def test_folders_with_other_numbers_of_expressions_are_refused(refused, textures, head, tmp_path):
+    fewer = write_acted_set(tmp_path / "fewer", head, shown=3)
+    line = ("train", "texture", "--data", textures, "--data", fewer, "--out", tmp_path / "run", *SMALL)
+    assert f"fewer: expected 4 expressions of everybody, as in {textures}, found 3" in refused(*line)
+    assert not (tmp_path / "run").exists()
+
+
 def test_it_is_measured(run, trained, textures, tmp_path):
     network = trained / "model.safetensors"
     result = run("evaluate", "texture", network, "--data", textures, "--out", tmp_path / "out", "--count", "8")
