@@ -38,12 +38,13 @@ class NetworkTraining(ABC):
 
         config: with ``epochs``, ``steps`` of one, ``batch``, ``learning_rate`` and ``weight_decay`` of AdamW, ``decay``
         of the average, ``validate_every`` and ``seed``.
-        Raises InputError when there are more processes than a batch has windows.
+        Raises InputError when there are more processes than a batch has windows of a kind.
         """
-        if share.count > config.batch:
-            raise InputError(f"expected a batch with one for each of {share.count} processes, found {config.batch}")
         self.config = config
         self.share = share
+        for kind, count in self._needed().items():
+            if share.count > count:
+                raise InputError(f"expected a batch with one for each of {share.count} processes, found {count} {kind}")
         self.epoch = 0
         self.best = float("inf")
         generator = torch.Generator().manual_seed(config.seed)
@@ -51,6 +52,10 @@ class NetworkTraining(ABC):
         self.average = make(generator)
         self.average.load_state_dict(self.network.state_dict())
         self._optimise()
+
+    def _needed(self) -> dict[str, int]:
+        """How many windows of a batch are of every kind, by its name, of which each process must have one."""
+        return {"windows": self.config.batch}
 
     def _kernels(self) -> Sequence[torch.Tensor]:
         """The weights that learn by Muon, at the configured ``kernel_rate``."""

@@ -114,8 +114,8 @@ class CoarseTraining(NetworkTraining):
         require_faces(sources.true, sources.unseen)
         if detector.size != config.size:
             raise InputError(f"expected a detector for windows of {config.size} pixels, found one for {detector.size}")
-        super().__init__(partial(new_coarse_network, config, model), config, share)
         self.sources = sources
+        super().__init__(partial(new_coarse_network, config, model), config, share)
         self.model = model
         self.seer = Seer(detector)
         self.renderer = MorphableRenderer(model)
@@ -126,13 +126,21 @@ class CoarseTraining(NetworkTraining):
         self.network.borrow(self.seer.network.state_dict())
         self.average.load_state_dict(self.network.state_dict())
 
+    @property
+    def _unmarked(self) -> int:
+        """Windows of a batch without truth."""
+        return 0 if self.sources.unmarked is None else self.config.unmarked
+
+    def _needed(self) -> dict[str, int]:
+        return {"windows with truth": self.config.batch - self._unmarked}
+
     def _draw(self, step: int) -> "Batch":
         """This process's windows of a step: those without truth, those to be painted, and the others."""
         config = self.config
         number_of_batch = step % (config.steps // config.rounds)
         if number_of_batch < step:
             return self.kept[number_of_batch]
-        unmarked = 0 if self.sources.unmarked is None else config.unmarked
+        unmarked = self._unmarked
         batch = Batch(number_of_batch)
         for row in range(self.share.process, config.batch, self.share.count):
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, row])

@@ -55,6 +55,10 @@ class DetectorTraining(NetworkTraining):
         self._kept: list[WindowBatch] = []
         self._together: WindowBatch | None = None
 
+    def _needed(self) -> dict[str, int]:
+        config = self.config
+        return {"windows of one face": config.faces, "other windows": config.batch - config.faces}
+
     def _kernels(self) -> Sequence[torch.Tensor]:
         return normalised_kernels(self.network)
 

@@ -1,4 +1,5 @@
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -115,6 +116,13 @@ def test_processes_share_the_windows_of_a_batch(sources, model, detector):
     assert [window.plain for window in whole] == [True] * 4 + [False] * 4
     for number, window in enumerate(whole):
         np.testing.assert_array_equal(parts[number % 2][number // 2].picture.pixels, window.picture.pixels)
+
+
+def test_every_process_needs_a_face_with_truth(sources, model, detector):
+    for process in range(8):
+        with pytest.raises(InputError, match="one for each of 8 processes, found 6 windows with truth"):
+            begin(sources, model, detector, share=Share(process, 8))
+    begin(replace(sources, unmarked=None), model, detector, share=Share(0, 8))
 
 
 @pytest.mark.parametrize("unmarked", [0, 2])

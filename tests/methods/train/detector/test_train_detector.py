@@ -86,6 +86,16 @@ def test_processes_share_the_windows_of_a_batch(pictures):
         assert torch.equal(parts[number % 2].pixels[number // 2], pixels)
 
 
+@pytest.mark.parametrize(
+    ("crops", "words"),
+    [(0.75, "one for each of 3 processes, found 2 other windows"), (0.25, "found 2 windows of one face")],
+)
+def test_a_batch_with_too_few_windows_of_a_kind_is_refused_by_every_process(pictures, crops, words):
+    for process in range(3):
+        with pytest.raises(InputError, match=words):
+            begin(pictures, *FEW, f"crops={crops}", share=Share(process, 3))
+
+
 def test_pictures_without_faces_are_not_enough(head_template):
     shape = mean_shape(head_template)
     some = DrawnPictures(shape, 4, 0)
