@@ -30,7 +30,7 @@ class NetworkTraining(ABC):
 
     What is kept is the moving average of the weights. Every draw comes from (seed, epoch, step, window), so nothing but
     weights, moments and counters has to be kept. With several processes each takes its share of every batch, and
-    gradients are summed; normalisation is over the share.
+    gradients are summed, weighted by how many windows it took; normalisation is over the share.
     """
 
     def __init__(self, make: Callable[[torch.Generator], Any], config: Any, share: Share) -> None:
@@ -56,6 +56,11 @@ class NetworkTraining(ABC):
     def _needed(self) -> dict[str, int]:
         """How many windows of a batch are of every kind, by its name, of which each process must have one."""
         return {"windows": self.config.batch}
+
+    @property
+    def _shares(self) -> float:
+        """How many times what this process takes of a batch makes a whole one."""
+        return self.config.batch / len(self.share.rows(self.config.batch))
 
     def _kernels(self) -> Sequence[torch.Tensor]:
         """The weights that learn by Muon, at the configured ``kernel_rate``."""
@@ -156,7 +161,7 @@ class NetworkTraining(ABC):
     def _step(self, step: int, drawn: Any) -> torch.Tensor:
         """Go one step down, on windows of ``_draw``. Returns loss and error, of all processes together."""
         loss, error = self._loss(drawn)
-        figures = torch.stack([loss.detach(), error]) / self.share.count
+        figures = torch.stack([loss.detach(), error]) / self._shares
         if self.share.count > 1:
             torch.distributed.all_reduce(figures)
         self._descend(self.network, loss, self.optimiser, self.muon)
@@ -166,7 +171,7 @@ class NetworkTraining(ABC):
     def _descend(self, network: torch.nn.Module, loss: torch.Tensor, *optimisers: torch.optim.Optimizer | None) -> None:
         """Go one step of a network's optimisers down a loss, of which every process has its share."""
         network.zero_grad()
-        (loss / self.share.count).backward()
+        (loss / self._shares).backward()
         learned = learned_by(network)
         if self.share.count > 1:
             sum_gradients(learned)

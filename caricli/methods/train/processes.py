@@ -15,6 +15,10 @@ class Share:
     process: int = 0
     count: int = 1
 
+    def rows(self, count: int) -> range:
+        """The numbers that the process takes of so many."""
+        return range(self.process, count, self.count)
+
 
 ALL = Share()
 """Of a process that trains alone."""

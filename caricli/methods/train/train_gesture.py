@@ -50,7 +50,7 @@ class GestureTraining(NetworkTraining):
         config = self.config
         ink = []
         chances = []
-        for row in range(self.share.process, config.batch, self.share.count):
+        for row in self.share.rows(config.batch):
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, row])
             if generator.random() < config.others:
                 stroke = draw_other(generator)

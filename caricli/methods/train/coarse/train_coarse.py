@@ -134,6 +134,11 @@ class CoarseTraining(NetworkTraining):
     def _needed(self) -> dict[str, int]:
         return {"windows with truth": self.config.batch - self._unmarked}
 
+    @property
+    def _shares(self) -> float:
+        counts = (self.config.batch, self.config.imagined)
+        return sum(counts) / sum(len(self.share.rows(count)) for count in counts)
+
     def _draw(self, step: int) -> "Batch":
         """This process's windows of a step: those without truth, those to be painted, and the others."""
         config = self.config
@@ -142,7 +147,7 @@ class CoarseTraining(NetworkTraining):
             return self.kept[number_of_batch]
         unmarked = self._unmarked
         batch = Batch(number_of_batch)
-        for row in range(self.share.process, config.batch, self.share.count):
+        for row in self.share.rows(config.batch):
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, row])
             source: FaceSource | None = self.sources.unmarked if row < unmarked else self.sources.true
             assert source is not None
@@ -154,7 +159,7 @@ class CoarseTraining(NetworkTraining):
             batch.marked.append(None if row < unmarked else hand_marked(points, config.size, generator))
             batch.there.append(cut_landmarks(points, generator))
         true = [number for number, window in enumerate(batch.windows) if window.truth is not None]
-        for row in range(self.share.process, config.imagined, self.share.count):
+        for row in self.share.rows(config.imagined):
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, config.batch + row])
             number = true[int(generator.integers(len(true)))]
             batch.imagined.append((number, self.mixer.draw(batch.windows[number], generator)))

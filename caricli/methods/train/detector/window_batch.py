@@ -82,7 +82,7 @@ class WindowSource:
         """The windows of a step, as arrays."""
         config = self.config
         crops = config.faces
-        rows = range(self.share.process, config.batch, self.share.count)
+        rows = self.share.rows(config.batch)
         windows = []
         for row in rows:
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, epoch, step, row])

@@ -78,7 +78,7 @@ class StyleTraining(NetworkTraining):
         """This process's windows of a step: the first half of all are paired."""
         config = self.config
         rows = []
-        for row in range(self.share.process, config.batch, self.share.count):
+        for row in self.share.rows(config.batch):
             generator = np.random.default_rng([config.seed, TrainingSeed.STEP, self.epoch, step, row])
             noise = generator.normal(size=(1, config.size, config.size)).astype(np.float32)
             rows.append((*self._windows(row < config.batch // 2, generator), noise))
