@@ -44,12 +44,13 @@ def _acted(head, grid, generator, person, body):
     )  # fmt: skip
 
 
-def write_acted_set(folder, head, size=32, shown=SHOWN, **body):
-    """A folder of ``acted_people`` with so many of their expressions. Returns it."""
+def write_acted_set(folder, head, size=32, shown=SHOWN, people=None, **body):
+    """A folder of ``acted_people`` with so many of their expressions. people: fingerprints by split. Returns it."""
     folder.mkdir(parents=True)
     writer = TextureWriter(folder)
     for person in acted_people(head, size, **body):
         parts = {name: getattr(person, name)[:shown] for name in ("pictures", "seen", "weights", "vertices")}
         writer.add(replace(person, **parts))
-    writer.finish({"size": size, "expressions": shown, "splits": SPLITS})
+    told = {} if people is None else {"people": people}
+    writer.finish({"size": size, "expressions": shown, "splits": SPLITS, **told})
     return folder

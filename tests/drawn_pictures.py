@@ -64,8 +64,11 @@ class DrawnPictures:
         return np.array([self.pictures[number].landmarks[place] for number, place in self.faces])
 
 
-def write_drawn_set(folder, shape, count, seed):
-    """Write a folder of pictures as `caricli dataset pictures` does: people 0 to 9, of whom 8 validate and 9 tests."""
+def write_drawn_set(folder, shape, count, seed, **entries):
+    """Write a folder of pictures as `caricli dataset pictures` does: people 0 to 9, of whom 8 validate and 9 tests.
+
+    entries: more of the manifest.
+    """
     folder.mkdir()
     writer = PictureWriter(folder)
     generator = np.random.default_rng(seed)
@@ -74,7 +77,7 @@ def write_drawn_set(folder, shape, count, seed):
         faces = [_row(points, 8 + number % 2 if number % 8 > 3 else 0) for points in picture.landmarks]
         writer.add(encode_picture(picture.pixels), encode_labels(picture.regions), "flat", faces)
     splits = {"train": list(range(8)), "validation": [8], "test": [9]}
-    writer.finish({"command": "drawn", "seed": seed, "splits": splits})
+    writer.finish({"command": "drawn", "seed": seed, "splits": splits, **entries})
     return folder
 
 

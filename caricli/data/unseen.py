@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from caricli.data.dataset import SPLITS, Dataset
 from caricli.data.regular_face import has_partners
 from caricli.errors import InputError
 from caricli.structures import SeenPeople
+from caricli.structures.seen_people import KEY as PEOPLE
 
 DIGITS = 12
 """Hexadecimal ones of a fingerprint: among a million people two have the same by a chance of one in five hundred."""
@@ -66,17 +68,35 @@ def seen_people(data: Dataset) -> SeenPeople:
 
 def everybody(datasets: Sequence[Dataset]) -> SeenPeople:
     """Whom a training on datasets sees. Raises InputError where one trains with somebody whom another tries."""
-    marks = {
-        split: frozenset().union(*(own for data in datasets for own in fingerprints(data, split).values()))
-        for split in SPLITS
-    }
-    both = len(marks["train"] & (marks["validation"] | marks["test"]))
+    return different_people([_marks(data) for data in datasets])
+
+
+def different_people(marks: Sequence[Mapping[str, frozenset[str]]]) -> SeenPeople:
+    """Whom a training sees on datasets, or on folders made of such, whose people have these fingerprints by split.
+
+    Raises InputError where one trains with somebody whom another tries.
+    """
+    train, validation, test = (frozenset().union(*(each.get(split, ()) for each in marks)) for split in SPLITS)
+    both = len(train & (validation | test))
     if both:
         raise InputError(
             f"expected datasets of different people, found {both} whom one trains with and another validates or tests "
             "with; those of one --seed share people"
         )
-    return SeenPeople(marks["train"], marks["validation"])
+    return SeenPeople(train, validation)
+
+
+def people_entry(data: Dataset) -> dict[str, dict[str, str]]:
+    """What the manifest of a folder made of a dataset says of its people: fingerprints between blanks, by split."""
+    return {PEOPLE: {split: " ".join(sorted(marks)) for split, marks in _marks(data).items()}}
+
+
+def told_people(manifest: Mapping[str, Any]) -> dict[str, frozenset[str]]:
+    """The fingerprints of a manifest by split, of an older one none. Raises InputError for what is no such entry."""
+    people = manifest.get(PEOPLE, {})
+    if not isinstance(people, dict) or not all(isinstance(marks, str) for marks in people.values()):
+        raise InputError(f"{PEOPLE}: expected fingerprints by split, found others")
+    return {split: frozenset(marks.split()) for split, marks in people.items()}
 
 
 def all_tested(data: Dataset) -> Dataset:
@@ -129,6 +149,11 @@ def _without_nobody(data: Dataset) -> Dataset:
 
 def _with_splits(data: Dataset, splits: dict[str, list[int]]) -> Dataset:
     return replace(data, manifest=data.manifest | {"splits": splits})
+
+
+def _marks(data: Dataset) -> dict[str, frozenset[str]]:
+    """Fingerprints of everybody in a dataset by split."""
+    return {split: frozenset().union(*fingerprints(data, split).values()) for split in SPLITS}
 
 
 def _strangers(data: Dataset, split: str, seen: Mapping[str, SeenPeople | None]) -> list[int]:

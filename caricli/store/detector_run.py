@@ -9,6 +9,7 @@ from pathlib import Path
 from caricli.cores import usable_cores
 from caricli.data.evenly import evenly
 from caricli.data.picture_set import read_picture_set
+from caricli.data.unseen import different_people, told_people
 from caricli.data.worker_pool import worker_pool
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
@@ -34,10 +35,11 @@ def load_training(
 
     share: of this process. device: "cpu" or "cuda". start: file of the detector with whose weights it begins, or None
     for random ones.
-    Raises InputError when it is no such folder or file.
+    Raises InputError when it is no such folder or file, or one trains with somebody whom another tries.
     """
     training, unseen = (_joined(folders, split) for split in ("train", "validation"))
     with naming(", ".join(map(str, folders))):
+        different_people([told_people(part.pictures.manifest) for part in training.parts])
         run = DetectorTraining(training, unseen, config, share, device)
     if start is not None:
         with naming(start):

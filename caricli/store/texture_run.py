@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from caricli.data.texture_set import MANIFEST, ActedTextures, TextureSet, read_texture_set
+from caricli.data.unseen import different_people, told_people
 from caricli.errors import InputError, naming
 from caricli.io.provenance import made_of
 from caricli.methods.dynamic.chart_pictures import ChartGrid
@@ -68,17 +69,20 @@ def load_texture_ingredients(
 
     drawings: folder of textures for the unpaired part, or None. styles: StyleBook. report: called with people done and
     all. Raises InputError when a folder is none, damaged, of another topology than the others, of other numbers of
-    expressions, or without people to train or to validate with, and for drawings without an unpaired part.
+    expressions, or without people to train or to validate with, where one trains with somebody whom another tries, and
+    for drawings without an unpaired part.
     """
     if drawings is not None and config.paired_epochs == config.epochs:
         settings = f"epochs={config.epochs} and unpaired={config.unpaired:g}"
         raise InputError(f"{drawings}: expected an unpaired part to train on it, found none with {settings}")
     sets = _joinable_sets(folders)
+    others = [] if drawings is None else [read_texture_set(drawings)]
+    _require_different_people([*sets, *others])
     grid = ChartGrid(face_chart(load_head().template()), config.size)
     own, unseen = (
         [person for textures in sets for person in textures.people(split)] for split in ("train", "validation")
     )
-    other = [] if drawings is None else list(read_texture_set(drawings).people("train"))
+    other = [person for textures in others for person in textures.people("train")]
     _require_people(", ".join(map(str, folders)), {"train": own, "validate": unseen})
     if drawings is not None:
         _require_people(str(drawings), {"train": other})
@@ -107,6 +111,12 @@ def _joinable_sets(folders: Sequence[Path]) -> list[TextureSet]:
             expected = f"{sets[0].shown} expressions of everybody, as in {folders[0]}"
             raise InputError(f"{textures.folder}: expected {expected}, found {textures.shown}")
     return sets
+
+
+def _require_different_people(sets: Sequence[TextureSet]) -> None:
+    """Refuse sets of which one trains with somebody whom another tries, as far as they tell."""
+    with naming(", ".join(str(textures.folder) for textures in sets)):
+        different_people([told_people(textures.manifest) for textures in sets])
 
 
 def _require_people(folders: str, people: dict[str, list[ActedTextures]]) -> None:

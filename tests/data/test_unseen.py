@@ -1,4 +1,5 @@
 import hashlib
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -11,7 +12,16 @@ from caricli.data.build_dataset import build_dataset
 from caricli.data.build_settings import BuildSettings
 from caricli.data.dataset import SPLITS, read_dataset
 from caricli.data.import_dataset import import_dataset
-from caricli.data.unseen import all_tested, fingerprints, seen_people, training_tested, unseen_data
+from caricli.data.unseen import (
+    all_tested,
+    different_people,
+    fingerprints,
+    people_entry,
+    seen_people,
+    told_people,
+    training_tested,
+    unseen_data,
+)
 from caricli.data.unseen import everybody as seen_together
 from caricli.errors import InputError
 from caricli.io.bundled import config_path
@@ -87,6 +97,18 @@ def test_people_of_an_imported_folder_are_told_by_any_of_their_meshes(barrels, t
     import_dataset(tmp_path / "again", tmp_path / "second", annotation)
     alone = everybody(read_dataset(tmp_path / "second"))
     assert alone[0] < pairs[4] and alone[1] < pairs[1]
+
+
+def test_what_a_folder_says_of_its_people_is_read_again(eight):
+    entry = people_entry(eight)
+    assert seen_together([eight]) == different_people([told_people(json.loads(json.dumps(entry)))])
+    assert told_people({"splits": {}}) == {}  # of an older folder
+    other = {"people": {"train": entry["people"]["test"]}}
+    with pytest.raises(InputError, match="expected datasets of different people, found"):
+        different_people([told_people(each) for each in (entry, other)])
+    for broken in ([], {"train": ["a"]}):
+        with pytest.raises(InputError, match="people: expected fingerprints by split"):
+            told_people({"people": broken})
 
 
 def test_a_coordinate_of_minus_nothing_is_nothing():

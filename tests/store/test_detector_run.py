@@ -55,6 +55,18 @@ def test_a_run_that_was_left_goes_on_to_the_same_bytes(pictures, tmp_path):
     assert detector.recipe["inputs"] == {"pictures.json": "0" * 64}
 
 
+def test_folders_that_share_people_between_splits_are_refused(head_template, pictures, tmp_path):
+    shape = mean_shape(head_template)
+    folders = [
+        write_drawn_set(tmp_path / split, shape, 8, 0, people={split: "0123456789ab"}) for split in ("train", "test")
+    ]
+    config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, SETTINGS)
+    with pytest.raises(InputError, match="/test: expected datasets of different people, found 1 whom"):
+        load_training(folders, config, ALL, "cpu", None)
+    # Of people of an older folder nobody can tell.
+    assert load_training([pictures, folders[0]], config, ALL, "cpu", None).training.faces
+
+
 def test_what_a_gpu_learns_from_other_processes_draw_alike(pictures, tmp_path, monkeypatch):
     monkeypatch.setattr("caricli.store.detector_run.usable_cores", lambda: 4)
     _, training = begin(pictures, tmp_path / "run")

@@ -10,6 +10,7 @@ from caricli.data.build_settings import EXPONENTS
 from caricli.data.dataset import SPLITS, Dataset
 from caricli.data.regular_face import has_partners, person_of
 from caricli.data.texture_set import TextureWriter
+from caricli.data.unseen import people_entry
 from caricli.data.worker_pool import worker_pool
 from caricli.errors import InputError
 from caricli.methods.creases.act_textures import ActSettings, Role, TextureSource
@@ -69,6 +70,7 @@ def build_textures(
             "topology_id": dataset.template.topology_id,
             "splits": dataset.manifest["splits"],
         }
+        | people_entry(dataset)
     )
     return {"people": writer.count, "seen": seen / writer.count}
 

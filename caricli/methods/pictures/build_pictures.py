@@ -9,6 +9,7 @@ import numpy as np
 
 from caricli.data.dataset import Dataset
 from caricli.data.picture_set import PictureWriter, encode_labels, encode_picture
+from caricli.data.unseen import people_entry
 from caricli.data.worker_pool import worker_pool
 from caricli.geometry.alignment.head_rotation import head_angles
 from caricli.methods.pictures.compose import Composition, Easel, Shown
@@ -130,6 +131,7 @@ def build_pictures(
             "model_id": model.model_id,
             "splits": dataset.manifest["splits"],
         }
+        | people_entry(dataset)
     )
     return {"pictures": writer.count, "faces": faces}
 

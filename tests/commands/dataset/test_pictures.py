@@ -3,7 +3,9 @@ import json
 import numpy as np
 import pytest
 
+from caricli.data.dataset import read_dataset
 from caricli.data.picture_set import read_picture_set
+from caricli.data.unseen import people_entry
 from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.methods.detect.detect_faces import detect_faces
 from caricli.store.detector import load_detector
@@ -33,6 +35,10 @@ def test_the_same_seed_gives_the_same_bytes_whatever_the_number_of_workers(run, 
     files = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     assert len(files) == 2 * COUNT + 2
     assert all((folder / file).read_bytes() == (again / file).read_bytes() for file in files)
+
+
+def test_it_says_of_whom_they_are(dataset, pictures):
+    assert people_entry(read_dataset(dataset)).items() <= pictures.manifest.items()
 
 
 def test_landmarks_are_where_the_label_map_shows_what_they_mark(pictures):

@@ -7,6 +7,7 @@ import pytest
 from caricli.data.dataset import read_dataset
 from caricli.data.regular_face import regular_faces
 from caricli.data.texture_set import TextureWriter, read_texture_set
+from caricli.data.unseen import people_entry
 from caricli.errors import InputError
 from caricli.methods.creases.build_textures import TextureSetSettings, build_textures
 from caricli.structures.arkit import ARKIT_NAMES
@@ -35,6 +36,7 @@ def test_what_people_show(dataset, folder):
     textures = read_texture_set(folder)
     acted = list(textures.people())
     assert len(acted) == textures.count == 2
+    assert people_entry(people).items() <= textures.manifest.items()
     assert {one.split for one in acted} == {"train", "test"}
     for one in acted:
         assert one.pictures.shape == (3, 48, 48, 3) and 0.1 < one.seen.mean() < 0.8

@@ -98,6 +98,17 @@ def test_folders_with_other_numbers_of_expressions_are_refused(refused, textures
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.parametrize("option", ["--data", "--drawings"])
+def test_folders_that_share_people_between_splits_are_refused(refused, head, tmp_path, option):
+    folders = [
+        write_acted_set(tmp_path / split, head, people={split: "0123456789ab", "test": "cdef01234567"})
+        for split in ("train", "validation")
+    ]
+    line = ("train", "texture", "--data", folders[1], option, folders[0], "--out", tmp_path / "run", *SMALL)
+    assert f"{folders[1]}, {folders[0]}: expected datasets of different people, found 1 whom" in refused(*line)
+    assert not (tmp_path / "run").exists()
+
+
 def test_it_is_measured(run, trained, textures, tmp_path):
     network = trained / "model.safetensors"
     result = run("evaluate", "texture", network, "--data", textures, "--out", tmp_path / "out", "--count", "8")
