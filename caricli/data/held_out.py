@@ -1,6 +1,7 @@
 """Faces of people who are trained with that no training sees: a random share of them (sketch paper, section 4.4)."""
 
-from collections.abc import Collection
+import hashlib
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -29,6 +30,20 @@ def held_out(data: Dataset, share: float, seed: int) -> dict[str, np.ndarray]:
     return {name: np.sort(part) for name, part in parts.items()}
 
 
+def held_out_together(datasets: Sequence[Dataset], share: float, seed: int) -> list[dict[str, np.ndarray]]:
+    """``held_out`` of every dataset, without training faces that another dataset of the same people holds out."""
+    parts = [held_out(data, share, seed) for data in datasets]
+    if not share or len(datasets) == 1:
+        return parts
+    out: set[bytes] = set()
+    for data, own in zip(datasets, parts, strict=True):
+        out.update(_digests(data, own["validation"]), _digests(data, own["test"]))
+    return [
+        own | {"train": own["train"][[digest not in out for digest in _digests(data, own["train"])]]}
+        for data, own in zip(datasets, parts, strict=True)
+    ]
+
+
 def held_out_by_all(data: Dataset, choices: Collection[tuple[float, int] | None], count: int) -> dict[str, np.ndarray]:
     """Row numbers of the faces that several trainings held out alike, ascending, by "validation" and "test".
 
@@ -45,6 +60,11 @@ def held_out_by_all(data: Dataset, choices: Collection[tuple[float, int] | None]
     if not len(tested):
         raise InputError("expected faces that the trainings held out, found none")
     return {"validation": parts["validation"], "test": tested[:: -(-len(tested) // count)]}
+
+
+def _digests(data: Dataset, rows: np.ndarray) -> Iterator[bytes]:
+    """What tells the faces of rows: one that two datasets have is of the same vertices in both."""
+    return (hashlib.sha256(data.vertices[row].tobytes()).digest() for row in rows)
 
 
 def _told(choice: tuple[float, int] | None) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from caricli.data.dataset import Dataset
 from caricli.data.face_grid import face_grid
-from caricli.data.held_out import held_out
+from caricli.data.held_out import held_out, held_out_together
 from caricli.errors import InputError
 from caricli.methods.train.sketch.sketch_faces import batches
 from caricli.methods.train.sketch.sketch_hand import LINE, Missing, SketchHand
@@ -110,8 +110,9 @@ def _own(datasets: Sequence[Dataset], config: SketchConfig) -> tuple[np.ndarray,
     """Vertices, numbers of people and of expressions."""
     parts = []
     who = []
-    for number, data in enumerate(datasets):
-        rows = held_out(data, config.held, config.seed)["train"]
+    together = held_out_together(datasets, config.held, config.seed)
+    for number, (data, own) in enumerate(zip(datasets, together, strict=True)):
+        rows = own["train"]
         parts.append(data.vertices[rows])
         who.append(np.stack([np.full(len(rows), number), data.identity[rows], data.level[rows], data.expression[rows]]))
     columns = np.concatenate(who, 1)

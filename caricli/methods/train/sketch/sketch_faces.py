@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from caricli.data.dataset import Dataset
-from caricli.data.held_out import held_out
+from caricli.data.held_out import held_out_together
 from caricli.errors import InputError
 from caricli.models.linear_model import LinearModel
 from caricli.models.morphable.separate import NO_EXPRESSION
@@ -34,19 +34,20 @@ class SketchFaces:
 
     @classmethod
     def of(cls, datasets: Sequence[Dataset], model: LinearModel, held: float = 0.0, seed: int = 0) -> Self:
-        """The faces of the training split, but for those that are held out.
+        """The faces of the training split, but for those that are held out of any dataset.
 
         Where somebody is there at rest with the same exaggeration, the expression is the difference from that face;
         else it is what it is of others on average.
 
-        model: LinearModel of the datasets' topology. held, seed: see ``held_out``.
+        model: LinearModel of the datasets' topology. held, seed: see ``held_out_together``.
         Raises InputError where there are no faces.
         """
         latents = []
         who = []
         expressions = []
-        for number, data in enumerate(datasets):
-            rows = held_out(data, held, seed)["train"]
+        together = held_out_together(datasets, held, seed)
+        for number, (data, own) in enumerate(zip(datasets, together, strict=True)):
+            rows = own["train"]
             latents += [model.encode(data.vertices[part].astype(float)) for part in batches(rows)]
             kinds = data.factors.get("kind", np.zeros(len(data.level), int))[rows]
             parts = kinds >= 2  # who is exaggerated by parts is there once

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from caricli.data.held_out import held_out
 from caricli.errors import InputError
 from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.geometry.lines.along_lines import along
@@ -111,6 +112,17 @@ def test_expressions_are_told_from_people(data, model):
         own = rest[3 * person : 3 * person + 3]
         np.testing.assert_allclose(own, own[:1].repeat(3, 0), atol=1e-9)
     np.testing.assert_array_equal(faces.offsets[[0, 3]], 0)
+
+
+def test_faces_that_another_dataset_holds_out_are_not_trained_with(data, model):
+    # Of the same people, one with fewer of their faces.
+    fewer: Any = SimpleNamespace(**vars(data) | {"rows": lambda split: data.rows(split) & (data.expression > 0)})
+    alone, both = (SketchFaces.of(datasets, model, 0.34, 1) for datasets in ([data], [data, fewer]))
+    held = [held_out(each, 0.34, 1) for each in (data, fewer)]
+    out = {row for parts in held for name in ("validation", "test") for row in parts[name].tolist()}
+    trained = [row for parts in held for row in parts["train"].tolist()]
+    assert len(alone.latents) == len(held[0]["train"])
+    assert len(both.latents) == len([row for row in trained if row not in out]) < len(trained)
 
 
 def test_who_is_never_at_rest_has_the_usual_expression(data, model):
