@@ -9,11 +9,14 @@ from caricli.io.face import read_face
 from caricli.template.head import load_head
 from caricli.template.template import Template
 
+UNLIKE = 2.0
+"""By how much at most a template is higher or lower than that of the dataset: another unit is ten times another."""
+
 
 def load_network_points(template: Template, path: Path | None = None) -> np.ndarray:
     """(V, 3) metres: the mesh of a file, or the open head with its lips apart, or else the template itself.
 
-    Raises InputError when the file has another topology.
+    Raises InputError when the file has another topology, or is of so other a size that it must be of another unit.
     """
     if path is not None:
         face = read_face(path)
@@ -22,6 +25,10 @@ def load_network_points(template: Template, path: Path | None = None) -> np.ndar
                 count = len(face.vertices)
                 expected = f"the dataset's topology ({len(template.vertices)} vertices)"
                 raise InputError(f"expected {expected}, found another ({count} vertices)")
+            height = face.mesh.height
+            if not template.height / UNLIKE <= height <= template.height * UNLIKE:
+                expected = f"metres, about the {template.height:.3g} that the dataset's template is high"
+                raise InputError(f"expected {expected}, found {height:.3g}")
         return face.vertices
     if template.topology_id == load_head().template().topology_id:
         return load_head().open_mouth_template().vertices

@@ -33,6 +33,16 @@ def test_another_template_is_deformed_itself_or_as_a_file_says(template, head_te
         load_network_points(head_template, tmp_path / "wide.npz")
 
 
+@pytest.mark.parametrize(("scale", "right"), [(0.6, True), (1.9, True), (0.4, False), (2.1, False), (100, False)])
+def test_a_template_in_another_unit_is_refused(template, tmp_path, scale, right):
+    write_face(tmp_path / "own.npz", Face(Mesh(scale * template.vertices, template.faces)))
+    if right:
+        assert len(load_network_points(template, tmp_path / "own.npz")) == len(template.vertices)
+    else:
+        with pytest.raises(InputError, match=r"own\.npz: expected metres, about the [0-9.]+ that the dataset's"):
+            load_network_points(template, tmp_path / "own.npz")
+
+
 def test_vertices_in_one_place_are_counted(template):
     points = template.vertices.copy()
     points[5] = points[9]
