@@ -28,7 +28,7 @@ def takes_of(people: Sequence[ActedTextures], grid: ChartGrid) -> list[TextureBa
     nothing = np.zeros(FRAMES, int)
     bright = np.ones((FRAMES, 1, 1, 3))
     rows = [np.full(FRAMES, number) for number in range(len(people))]
-    return [pairs.batch(PairChoice(row, row, nothing, nothing, frames, bright)) for row in rows]
+    return [pairs.batch(PairChoice(row, row, nothing, nothing, frames, bright, paired=True)) for row in rows]
 
 
 def _take(person: ActedTextures) -> ActedTextures:

@@ -54,7 +54,8 @@ class PaintedPeople:
 @dataclass(frozen=True, eq=False)
 class PairChoice:
     """B pairs. person: (B,) whose source it is. other: (B,) whose target, the same person's or anybody's. look: (B,) of
-    both. source, target: (B,) expressions. bright: (B, 1, 1, 3), what colours are multiplied by."""
+    both. source, target: (B,) expressions. bright: (B, 1, 1, 3), what colours are multiplied by. paired: whether all
+    targets are the same person's."""
 
     person: np.ndarray
     other: np.ndarray
@@ -62,6 +63,7 @@ class PairChoice:
     source: np.ndarray
     target: np.ndarray
     bright: np.ndarray
+    paired: bool
 
 
 class TexturePairs:
@@ -92,7 +94,7 @@ class TexturePairs:
         target = (source + generator.integers(1, expressions, count)) % expressions
         bright = generator.uniform(*BRIGHT, (count, 1, 1, 3))
         other = person if paired else generator.permutation(person)
-        batch = self.batch(PairChoice(person, other, look, source, target, bright))
+        batch = self.batch(PairChoice(person, other, look, source, target, bright, paired))
         return mirrored(batch, torch.from_numpy(generator.random(count) < self.config.mirrored))
 
     def batch(self, choice: "PairChoice") -> TextureBatch:
@@ -114,7 +116,7 @@ class TexturePairs:
             torch.from_numpy(self._weight(seen & self.grid.covered))[:, None],
             torch.from_numpy(seen & self.grid.covered)[:, None],
             torch.from_numpy(person),
-            bool((choice.other == person).all()),
+            choice.paired,
         )
 
     def _weight(self, seen: np.ndarray) -> np.ndarray:

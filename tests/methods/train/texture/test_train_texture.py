@@ -114,6 +114,12 @@ def test_without_pairs_targets_are_anybodys(pairs):
     assert not batch.paired
 
 
+def test_one_drawing_alone_makes_no_pairs(people, grid):
+    alone = TexturePairs(painted_people(people[:1], grid, config()), grid, config())
+    assert not alone.draw(4, np.random.default_rng(0), paired=False).paired
+    assert alone.draw(4, np.random.default_rng(0), paired=True).paired
+
+
 def test_texels_count_by_what_they_are(pairs, grid, people):
     batch = pairs[0].draw(3, np.random.default_rng(0), paired=True)
     weight = batch.weight[0, 0].numpy()
