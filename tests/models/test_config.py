@@ -37,6 +37,10 @@ def test_files_name_only_what_differs_from_the_defaults(path):
         assert getattr(settings, key) != getattr(config(), key), key
 
 
+def test_textures_as_published_have_one_look():
+    assert read_config(config_path("texture/paper.yaml"), TextureConfig).looks == 0
+
+
 def test_a_file_of_comments_alone_means_the_defaults(tmp_path):
     path = tmp_path / "default.yaml"
     path.write_text("# What caricli ships.\n")
