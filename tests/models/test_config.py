@@ -37,6 +37,13 @@ def test_files_name_only_what_differs_from_the_defaults(path):
         assert getattr(settings, key) != getattr(config(), key), key
 
 
+@pytest.mark.parametrize(
+    "path", [path for path in FILES if "variant" in (read_yaml(path) or {})], ids=lambda path: path.stem
+)
+def test_files_of_published_networks_leave_out_what_only_the_modern_one_reads(path):
+    assert not read_yaml(path).keys() & {"stem", "blocks", "components", "mixed", "people", "camera_weight"}
+
+
 def test_textures_as_published_have_one_look():
     assert read_config(config_path("texture/paper.yaml"), TextureConfig).looks == 0
 
