@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from caricli.data.dataset import Dataset
+from caricli.data.evenly import evenly
 from caricli.data.face_grid import face_grid
 from caricli.data.held_out import held_out, held_out_together
 from caricli.errors import InputError
@@ -130,7 +131,7 @@ def _unseen(datasets: Sequence[Dataset], config: SketchConfig) -> np.ndarray:
     for data in datasets:
         rows = held_out(data, config.held, config.seed)["validation"]
         rows = rows if len(rows) else np.flatnonzero(data.rows("validation"))
-        parts.append(data.vertices[rows[:: -(-len(rows) // share) or 1]])
+        parts.append(data.vertices[np.array(evenly(rows.tolist(), share), int)])
     if not sum(map(len, parts)):
         raise InputError("expected a dataset with people of the validation split, found none")
     return np.concatenate(parts)

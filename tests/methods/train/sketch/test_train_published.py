@@ -11,6 +11,7 @@ from caricli.errors import InputError
 from caricli.io.bundled import config_path
 from caricli.io.config import read_config
 from caricli.methods.sketch.sketch_artist import WRINKLED
+from caricli.methods.train.sketch.published_faces import PublishedFaces
 from caricli.methods.train.sketch.train_published import PublishedTraining, Step
 from caricli.methods.train.sketch.wrinkle_book import WrinkleBook
 from caricli.models.bilinear.config import BilinearConfig
@@ -153,6 +154,17 @@ def test_wrinkles_kept_of_an_annotation_are_not_those_of_another(data, monkeypat
     annotation = parse_annotation(source | {"regions": fewer}, len(template.vertices), "smooth")
     assert len(WrinkleBook.of(template, data.vertices[:1]).lines) > 0
     assert len(WrinkleBook.of(replace(template, annotation=annotation), data.vertices[:1]).lines) == 0
+
+
+def test_it_is_validated_with_as_many_faces_as_are_asked_for(data, model):
+    training = begin(data, model, "variant=shape")
+    splits = {"train": data.identity < 2, "validation": data.identity >= 2}
+    other: Any = SimpleNamespace(**vars(data) | {"rows": splits.__getitem__})
+    for asked, faces in ((8, 8), (20, 9)):
+        settings = replace(training.config, held=0, extra=0, validation=asked)
+        unseen = PublishedFaces.of([other], model, training.hand, settings).unseen
+        assert len(np.unique(unseen, axis=0)) == len(unseen) == faces
+        np.testing.assert_array_equal(unseen[[0, -1]], data.vertices[[6, -1]])
 
 
 def test_a_dataset_without_a_grid_is_refused(data, model):
