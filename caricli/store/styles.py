@@ -19,6 +19,9 @@ BUNDLED = "style.safetensors"
 LARGEST = 512
 """Shorter side, pixels, that drawings keep at most."""
 
+SMALLEST = 2
+"""Shorter side, pixels, of a drawing of which strokes can be learnt."""
+
 GENERATED = 64
 """Style pictures that are generated where no drawings are given."""
 
@@ -43,7 +46,7 @@ def load_style_drawings(folder: Path) -> tuple[dict[Path, np.ndarray], list[str]
     notes = []
     for path in pictures_in(folder):
         try:
-            pictures[path] = _smaller(read_image(path))
+            pictures[path] = _smaller(_read_drawing(path))
         except CaricliError as error:
             notes.append(f"left out: {error}")
     if not pictures:
@@ -62,6 +65,15 @@ def load_style_book(folder: Path | None, seed: int) -> tuple[StyleBook, list[str
         return StyleBook(model, drawn_faces(load_head().template(), GENERATED, seed)), []
     pictures, notes = load_style_drawings(folder)
     return StyleBook(model, list(pictures.values())), notes
+
+
+def _read_drawing(path: Path) -> np.ndarray:
+    """A picture (H, W, 3) uint8. Raises InputError where it cannot be read, or is too small to cut a part out of it."""
+    picture = read_image(path)
+    height, width = picture.shape[:2]
+    if min(height, width) < SMALLEST:
+        raise InputError(f"{shown(path)}: expected at least {SMALLEST} pixels a side, found {width} x {height}")
+    return picture
 
 
 def _smaller(picture: np.ndarray) -> np.ndarray:

@@ -6,15 +6,17 @@ from caricli.io.image import write_png
 from caricli.store.styles import load_style_book, load_style_drawings
 
 
-def test_one_broken_drawing_is_left_out_and_told(tmp_path):
+def test_broken_and_thin_drawings_are_left_out_and_told(tmp_path):
     write_png(tmp_path / "a.png", np.full((40, 900, 3), 7, np.uint8))
     write_png(tmp_path / "b.png", np.full((1200, 1024, 3), 9, np.uint8))
     (tmp_path / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nnothing")
     (tmp_path / "notes.txt").write_text("no picture")
+    write_png(tmp_path / "thin.png", np.full((1, 30, 3), 7, np.uint8))
     pictures, notes = load_style_drawings(tmp_path)
     assert [path.name for path in pictures] == ["a.png", "b.png"]
     assert [picture.shape for picture in pictures.values()] == [(40, 900, 3), (600, 512, 3)]
-    assert len(notes) == 1 and "broken.png" in notes[0] and notes[0].startswith("left out: ")
+    assert len(notes) == 2 and "broken.png" in notes[0] and notes[0].startswith("left out: ")
+    assert notes[1].startswith("left out: ") and "thin.png: expected at least 2 pixels a side, found 30 x 1" in notes[1]
 
 
 def test_none_that_can_be_read_is_an_error(tmp_path):
