@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
+from caricli.geometry.alignment.require_upright import require_upright
 from caricli.geometry.repair.flat_triangles import flat_triangles
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.write_gltf import write_gltf
@@ -42,8 +43,8 @@ _MOST_FLAT = 0.01
 def load_face(path: Path, model: ShapeModel) -> Face:
     """The Face of a file, OBJ or NPZ.
 
-    Raises InputError when its mesh is not the model's, its size not a head's, more than a few of its triangles have no
-    area, or its latent is the model's by name but not by length.
+    Raises InputError when its mesh is not the model's, its size not a head's, it is turned or a mirror image, more than
+    a few of its triangles have no area, or its latent is the model's by name but not by length.
     """
     return _checked(read_face(path), path, model)
 
@@ -61,6 +62,8 @@ def _checked(face: Face, path: Path, model: ShapeModel) -> Face:
     height = face.mesh.height
     if not _SMALLEST < height / template.height < _LARGEST:
         raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")
+    with naming(path):
+        require_upright(face.vertices, template.vertices)
     flat = flat_triangles(face.vertices, face.faces)
     if flat.mean() > _MOST_FLAT:
         raise InputError(f"{shown(path)}: expected triangles with an area, found {flat.sum()} of {len(flat)} without")

@@ -42,6 +42,16 @@ def test_a_face_of_the_model_comes_as_it_is(path, shape, model):
     assert face.model_id == model.model_id and face.latent.shape == (128,)
 
 
+@pytest.mark.parametrize(
+    ("linear", "words"),
+    [([[1, 0, 0], [0, 0, -1], [0, 1, 0]], "turned by 9. degrees"), (np.diag([-1.0, 1, 1]), "its mirror image")],
+)
+def test_heads_that_lie_or_are_mirrored_are_refused(shape, model, tmp_path, linear, words):
+    write_obj(tmp_path / "other.obj", shape.with_vertices(shape.vertices @ np.transpose(linear)))
+    with pytest.raises(InputError, match=rf"other.obj: expected a head that looks to \+z.*found .*{words}"):
+        load_face(tmp_path / "other.obj", model)
+
+
 def test_another_mesh_and_another_size_are_refused(shape, model, tmp_path):
     write_obj(tmp_path / "part.obj", Mesh(shape.vertices, shape.polygons[:-1]))
     with pytest.raises(InputError, match="part.obj: expected the topology of the model .4200 vertices, 8356 triangles"):

@@ -8,6 +8,9 @@ from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 
+_MOVED = 0.08
+"""Of the template's height: how far the mean vertex of a face may be from the template's; of people it is by 0.06."""
+
 _SAME = 1e-6
 """Metres: a residual whose shape is as near as this is the one that was kept with the latent."""
 
@@ -41,7 +44,8 @@ def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     """
     vertices = np.asarray(face.vertices, dtype=np.float64)
     kept = face.latent is not None and face.model_id == model.model_id
-    latent = np.asarray(face.latent, dtype=np.float64) if kept else model.encode(vertices)
+    place = np.zeros(3) if kept else _place(vertices, model)
+    latent = np.asarray(face.latent, dtype=np.float64) if kept else model.encode(vertices - place)
     own = model.decode(latent)
     shift = model.template.gradients.components.averages @ (vertices - own)
     residual = face.residual if kept else None
@@ -50,7 +54,7 @@ def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     # Features of no shape do not come back from their shape: only as they were given do steps to and fro cancel.
     if residual is None or not _gives_back(coded, model, shift):
         residual = model.template.gradients.features(vertices) - _own_features(model, latent, own)
-    error = float(np.linalg.norm(own - vertices, axis=-1).mean())
+    error = float(np.linalg.norm(own + place - vertices, axis=-1).mean())
     return EncodedFace(
         **vars(coded) | {"residual": residual},
         shift=shift,
@@ -58,6 +62,18 @@ def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
         percent=100 * error / model.template.height,
         prior_rms=float(model.prior.rms(latent)),
     )
+
+
+def _place(vertices: np.ndarray, model: ShapeModel) -> np.ndarray:
+    """(3,) metres, how far a head (V, 3) was moved as a whole, as another program may have done: it is no shape.
+
+    A mean that is far from the template's may also be that of a likely shape: what is no less likely counts as moved.
+    """
+    away = (vertices - model.template.vertices).mean(0)
+    if np.linalg.norm(away) <= _MOVED * model.template.height:
+        return np.zeros(3)
+    there, back = (model.prior.rms(model.encode(vertices - place)) for place in (0, away))
+    return away if back <= there * (1 + _SAME) else np.zeros(3)
 
 
 def decode_face(face: Face, model: ShapeModel, shift: np.ndarray | float = 0.0) -> Face:

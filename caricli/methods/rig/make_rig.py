@@ -6,8 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from caricli.errors import InputError
-from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.alignment.require_upright import require_upright
 from caricli.methods.hair.sink_rim import sink_rim
 from caricli.methods.parts.close_neck import with_neck
 from caricli.methods.parts.face_parts import face_parts, let_tongue_out
@@ -21,9 +20,6 @@ from caricli.structures import Face, HeadChoice, Mesh, Part, Pictures, Rig
 from caricli.structures.arkit import action_codes
 from caricli.structures.head_choice import BARE, WHOLE
 from caricli.template.fine_mesh import FineMesh, fine_mesh
-
-_TURNED = 30
-"""Degrees by which a face may be turned against its templates: eyes look to +z, however it stands."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +90,8 @@ def make_rig(
     templates = templates or open_head_expressions()
     templates.require_topology(mesh)
     if {*settings.head.parts} != {*BARE.parts}:
-        _check_upright(mesh, templates.mesh)
+        # Eyes look to +z, however the face stands.
+        require_upright(mesh.vertices, templates.neutral)
     deltas = transfer_rig(templates, mesh.vertices) if deltas is None else deltas
     deltas = let_tongue_out(mesh, templates.mesh, settings.head, templates.expressions, deltas)
     annotation = templates.annotation if "eyes" in settings.head.parts else None
@@ -114,14 +111,3 @@ def make_rig(
     dress = partial(face_parts, template=templates.mesh, choice=settings.head, given=laugh)
     rig = add_parts(rig, dress(Face(mesh, hair=hair, teeth=teeth), expressions=templates.expressions, deltas=deltas))
     return RigResult(rig, measures, eyeballs, fine, dress)
-
-
-def _check_upright(mesh: Mesh, template: Mesh) -> None:
-    """Raise InputError for a face that lies or looks aside."""
-    _, rotation, _ = similarity(template.vertices, mesh.vertices)
-    turned = np.degrees(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1, 1)))
-    if turned > _TURNED:
-        raise InputError(
-            f"expected a face that looks to +z and has +y up, as its templates do, found one turned by {turned:.0f} "
-            "degrees; turn it, or leave it without eyes and other parts (--parts skin)"
-        )

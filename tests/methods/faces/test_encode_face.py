@@ -27,6 +27,14 @@ def test_latent_residual_and_shift_give_the_very_face_back(model, strangers):
         assert np.abs(decode_face(single, model, code.shift).vertices - code.vertices).max() < 1e-6
 
 
+@pytest.mark.parametrize("moved", [[0.0, 1.6, 0.0], [0.0, -0.11, -0.09]])
+def test_where_another_program_put_a_head_is_no_shape(model, strangers, moved):
+    code = encode_face(face_of(strangers[0], model), model)
+    away = encode_face(face_of(strangers[0] + moved, model), model)
+    assert away.percent < code.percent + 1 and away.prior_rms < code.prior_rms + 1
+    np.testing.assert_allclose(decode_face(away, model, away.shift).vertices, strangers[0] + moved, atol=1e-6)
+
+
 def test_the_figures_are_those_of_the_latent_alone(model, strangers):
     code, error = encode_face(face_of(strangers[0], model), model), evaluate_shape(model, strangers[0][None])
     assert np.allclose(code.latent, model.encode(strangers[0]), atol=1e-9)
