@@ -81,6 +81,7 @@ class DetectTask:
         from caricli.methods.detect.detect_faces import detect_faces
         from caricli.methods.detect.see_face import main_face
         from caricli.render.sheets.detection_sheet import detection_sheet
+        from caricli.structures.parsing import Region
 
         ends = ("regions.png", "regions.json", "overlay.png")
         beside = [target.with_name(f"{target.stem}-{end}") for end in ends]
@@ -96,7 +97,7 @@ class DetectTask:
             *points, labels, about, sheet = temporaries
             for file, face in zip(points, faces, strict=True):
                 write_landmarks(file, face.landmarks)
-            write_parsing(labels, detection.regions)
+            write_parsing(labels, detection.regions, Region)
             write_json(about, self._report(source, detection))
             write_png(sheet, detection_sheet(picture, replace(detection, faces=faces)))
         following = target.with_name(f"{target.stem}-{len(faces) + 1}.json")

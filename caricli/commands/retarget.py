@@ -129,7 +129,7 @@ def command(
       caricli retarget b.npz photo.jpg --out face.obj
       caricli retarget b.npz take/*.obj --neutral calm.obj --out-dir frames --animation take.glb --fps 30
       caricli retarget b.npz smile.obj --picture drawing.png --out redrawn.png
-      caricli retarget b.npz take/*.obj --picture drawing.png --film redrawn.mp4
+      caricli retarget b.npz take/*.obj --picture drawing.png --film take.mp4
       caricli retarget b.npz smile.obj --dynamic-texture --out smiling.obj
     """
     from caricli.commands.shared.batch import run_batch

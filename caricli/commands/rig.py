@@ -203,9 +203,13 @@ def _report(json, others, result, rest, given, description):
 
 
 def _advise(face, result, rest, neutral):
-    """Say what closes the lips of a RigResult, where they are apart."""
+    """Say what closes the lips of a RigResult, where they are apart, and where it is no head in metres."""
+    from caricli.methods.inspect.check_mesh import size_hint
     from caricli.methods.rig.rig_figures import lips_are_apart
 
+    hint = size_hint(rest.mesh.height)
+    if hint is not None:
+        echo_notes(f"{final_name(face)}: {hint}")
     if lips_are_apart(result):
         advice = "give a face with its mouth at rest"
         if neutral != "auto":

@@ -12,7 +12,7 @@ from caricli.errors import InputError, shown
 from caricli.io.files import read_bytes
 from caricli.io.image import EFFORT, check_size
 from caricli.io.outputs import writing
-from caricli.io.strict_json import read_json
+from caricli.io.strict_json import format_json, parse_json, read_json
 from caricli.limits import MAX_IMAGE_BYTES
 
 SCHEMA = "caricli.parsing/1"
@@ -30,7 +30,8 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
     """Read a label map.
 
     path: a PNG of one byte a pixel, grey or with a palette; the JSON beside it, of the same stem, names its labels:
-    `{"schema": "caricli.parsing/1", "labels": {"skin": 1, ...}}`. Without one they are CelebAMask-HQ's.
+    `{"schema": "caricli.parsing/1", "labels": {"skin": 1, ...}}`, or else the text of its own that is called by that
+    schema. Without either they are CelebAMask-HQ's.
     Returns (H,W) uint8, and the numbers of the labels by their names.
     Raises InputError when it is no such picture, too large, or the legend is malformed.
     """
@@ -45,6 +46,7 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
                 kind = f"{image.width} x {image.height} of mode {image.mode}"
                 raise InputError(f"{shown(path)}: expected a PNG of label numbers, one byte a pixel, found {kind}")
             labels = np.array(image).astype(np.uint8)
+            own = image.info.get(SCHEMA)
     except InputError:
         raise
     except UnidentifiedImageError:
@@ -52,19 +54,26 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
     except Exception as error:  # Pillow's decoders raise whatever they meet
         raise InputError(f"{shown(path)}: expected a PNG of label numbers, found none: {shown(error, 120)}") from error
     beside = Path(path).with_suffix(".json")
-    return labels, read_legend(beside)["labels"] if beside.is_file() else dict(CELEBAMASK_HQ)
+    if beside.is_file():
+        return labels, read_legend(beside)["labels"]
+    if own is None:
+        return labels, dict(CELEBAMASK_HQ)
+    return labels, _checked_legend(parse_json(str(own).encode(), path), path)["labels"]
 
 
-def write_parsing(path: str | Path, labels: np.ndarray) -> None:
+def write_parsing(path: str | Path, labels: np.ndarray, names: type[IntEnum] | None = None) -> None:
     """Write a label map.
 
-    labels: (H, W) uint8.
+    labels: (H, W) uint8. names: of the labels, which the picture then tells itself.
     Raises OutputError when the file cannot be written.
     """
-    from PIL import Image
+    from PIL import Image, PngImagePlugin
 
+    own = PngImagePlugin.PngInfo()
+    if names is not None:
+        own.add_text(SCHEMA, format_json(legend(names), path, indent=None))
     with writing(path), open(path, "wb") as stream:
-        Image.fromarray(labels).save(stream, "PNG", compress_level=EFFORT)
+        Image.fromarray(labels).save(stream, "PNG", compress_level=EFFORT, pnginfo=own)
 
 
 def legend(labels: type[IntEnum], **more: Any) -> dict[str, Any]:
@@ -74,7 +83,10 @@ def legend(labels: type[IntEnum], **more: Any) -> dict[str, Any]:
 
 def read_legend(path: str | Path) -> dict[str, Any]:
     """The JSON beside a label map, as ``legend`` gives it. Raises InputError when it is another, or malformed."""
-    value = read_json(path)
+    return _checked_legend(read_json(path), path)
+
+
+def _checked_legend(value: Any, path: str | Path) -> dict[str, Any]:
     names = value.get("labels") if isinstance(value, dict) and value.get("schema") == SCHEMA else None
     if not isinstance(names, dict) or not all(type(n) is int and 0 <= n < 256 for n in names.values()):
         raise InputError(f"{shown(path)}: expected schema {SCHEMA!r} and labels from 0 to 255, found another JSON")

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From nothing to a face in a model of one's own: run.sh OUT_DIR. Small sizes, about a minute on two cores.
+# From nothing to a face in a model of one's own: run.sh NEW_DIR. Small sizes, about a minute on two cores.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 out="$1"

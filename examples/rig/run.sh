@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From a photograph's landmarks to a head that talks: run.sh OUT_DIR [SECONDS [PIXELS]]. About two minutes on two cores.
+# From a photograph's landmarks to a head that talks: run.sh NEW_DIR [SECONDS [PIXELS]]. About two minutes on two cores.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 out="$1" seconds="${2:-10}" pixels="${3:-320}"

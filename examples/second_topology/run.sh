@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Another mesh from OBJ files to a reconstructed face: run.sh OUT_DIR. About a minute on two cores.
+# Another mesh from OBJ files to a reconstructed face: run.sh NEW_DIR. About a minute on two cores.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 out="$1"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From mouth cues to a head that says them: run.sh OUT_DIR [PIXELS]. Half a minute on two cores.
+# From mouth cues to a head that says them: run.sh NEW_DIR [PIXELS]. Half a minute on two cores.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 out="$1" pixels="${2:-320}"

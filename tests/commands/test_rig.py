@@ -146,6 +146,14 @@ def test_ones_own_expressions(run, scans, target, egg, tmp_path):
     np.testing.assert_allclose(rig.deltas[0], grin, atol=1e-5)
 
 
+def test_a_head_in_centimetres_is_told(run, scans, target, undrawn, tmp_path):
+    mesh = read_obj(target)
+    large = 100 * 0.23 / mesh.height
+    write_obj(target, mesh.with_vertices(large * mesh.vertices))
+    result = run("rig", target, "--templates", scans, "--out", tmp_path / "rig.glb")
+    assert result.exit_code == 0 and "scan.obj: 23 m high, as a head in centimetres: expected metres" in result.stderr
+
+
 def test_the_same_seed_gives_the_same_bytes(run, scans, target, tmp_path):
     for name in ("a", "b"):
         assert run("rig", target, "--templates", scans, "--out", tmp_path / f"{name}.glb").exit_code == 0

@@ -1,13 +1,15 @@
+import json
 import struct
 import zlib
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, PngImagePlugin
 
 from caricli.errors import InputError
-from caricli.io.parsing import CELEBAMASK_HQ, SCHEMA, read_parsing
+from caricli.io.parsing import CELEBAMASK_HQ, SCHEMA, read_parsing, write_parsing
 from caricli.io.strict_json import write_json
+from caricli.structures.parsing import Region
 
 LABELS = np.arange(35, dtype=np.uint8).reshape(5, 7) % 19
 
@@ -38,6 +40,26 @@ def test_numbers_are_read_as_they_are_stored(mode, tmp_path):
     labels, legend = read_parsing(tmp_path / "a.png")
     assert labels.dtype == np.uint8 and legend == CELEBAMASK_HQ
     np.testing.assert_array_equal(labels, LABELS > 9 if mode == "1" else LABELS)
+
+
+def test_a_label_map_that_tells_its_labels_is_read_alone(tmp_path):
+    """As one is that was moved without its JSON; the JSON still goes first."""
+    path = tmp_path / "moved.png"
+    write_parsing(path, np.full((2, 3), 7, np.uint8), Region)
+    labels, names = read_parsing(path)
+    assert (labels == 7).all() and names == {region.name.lower(): region.value for region in Region}
+    path.with_suffix(".json").write_text(json.dumps({"schema": SCHEMA, "labels": {"hair": 7}}))
+    assert read_parsing(path)[1] == {"hair": 7}
+
+
+@pytest.mark.parametrize("text", ["no JSON", "{}", '{"schema": "caricli.parsing/1", "labels": {"skin": 256}}'])
+def test_labels_that_a_picture_tells_amiss_are_refused(text, tmp_path):
+    path = tmp_path / "labels.png"
+    own = PngImagePlugin.PngInfo()
+    own.add_text(SCHEMA, text)
+    Image.fromarray(np.zeros((2, 2), np.uint8)).save(path, pnginfo=own)
+    with pytest.raises(InputError, match="labels.png: "):
+        read_parsing(path)
 
 
 def test_the_legend_beside_it_goes_first(tmp_path):
