@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from caricli.io.face import read_face
 from caricli.io.image import read_image
 from caricli.io.meshes.mesh import read_mesh
-from caricli.io.sketches.sketch import write_sketch
+from caricli.io.sketches.sketch import read_sketch, write_sketch
 from caricli.io.strict_json import read_json
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.structures.sketch import Sketch, Stroke
@@ -47,6 +49,18 @@ def test_many_sketches_in_one_call(run, drawing, tmp_path):
     assert result.exit_code == 1
     assert "1 of 2 failed" in result.stderr and "empty.json: expected a sketch" in result.stderr
     assert sorted(path.name for path in (tmp_path / "faces").iterdir()) == ["anna.json", "anna.npz", "anna.obj"]
+
+
+def test_names_of_no_curve_are_told(run, drawing, tmp_path):
+    sketch = read_sketch(drawing)
+    renamed = {"mouth_upper": "mouth_uper", "silhouette": "hat"}
+    strokes = [replace(stroke, curve=renamed.get(stroke.curve, stroke.curve)) for stroke in sketch.strokes]
+    write_sketch(tmp_path / "typo.json", sketch.with_strokes(strokes))
+    words = ("--model", "pca", "--no-picture")
+    result = run(COMMAND, tmp_path / "typo.json", "--out", tmp_path / "f.obj", *words)
+    assert "typo.json: strokes are left" in result.stderr
+    assert "hat, mouth_uper (mouth_upper?)" in result.stderr
+    assert "are left" not in run(COMMAND, drawing, "--out", tmp_path / "g.obj", *words).stderr
 
 
 def test_following_is_a_share(run, drawing, tmp_path):

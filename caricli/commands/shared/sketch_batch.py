@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,12 @@ import click
 
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import staged_face
+from caricli.commands.shared.notes import echo_notes
 from caricli.commands.shared.picture import write_picture
 from caricli.errors import InputError, naming
 from caricli.io.image import read_image
 from caricli.io.meshes.mesh import MESH_SUFFIXES
+from caricli.io.outputs import final_name
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.methods.faces.subdivide_face import subdivide_face
@@ -27,9 +30,11 @@ from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.pictures import find_picture
 from caricli.store.sketches import load_sketch
-from caricli.structures import HeadChoice
+from caricli.structures import HeadChoice, Sketch
 from caricli.structures.head_choice import WHOLE
+from caricli.template.feature_curves import named_curves
 from caricli.template.fine_mesh import FineMesh, fine_mesh
+from caricli.template.template import Template
 
 
 @dataclass(frozen=True)
@@ -127,4 +132,15 @@ class SketchTask:
                 return sketch_sheet(fit.face, head, fit.sketch, fit.curves, pixels, fine=finer)
 
             write_picture(files[3], sheet)
+        _tell_unknown(path, sketch, template)
         return f"{target}: {fit.describe()}"
+
+
+def _tell_unknown(path: Path, sketch: Sketch, template: Template) -> None:
+    """Say which names of a Sketch's strokes are no curves of a Template's head."""
+    names = [curve.name for curve in named_curves(template.annotation)]
+    unknown = sorted({stroke.curve for stroke in sketch.strokes if stroke.curve is not None} - {*names})
+    if unknown:
+        meant = {name: get_close_matches(name, names, 1) for name in unknown}
+        told = ", ".join(f"{name} ({close[0]}?)" if close else name for name, close in meant.items())
+        echo_notes(f"{final_name(path)}: strokes are left whose names are no curves of the head: {told}")
