@@ -40,15 +40,18 @@ def test_faces_are_found_where_they_are_and_none_where_there_is_none(trained):
 
 def test_a_larger_picture_has_the_same_faces_and_regions(trained):
     detector, pictures = trained
-    picture = pictures.marked(12)
-    found = detect_faces(picture.pixels, detector, DetectSettings(widest=np.inf))
-    larger = detect_faces(cv2.resize(picture.pixels, (640, 640)), detector, DetectSettings(widest=np.inf))
-    assert len(larger.faces) == len(found.faces) >= 1
-    places = (larger.faces[0].landmarks.points + 0.5) / 4 - 0.5
-    apart = np.linalg.norm(places - found.faces[0].landmarks.points, axis=1)
-    assert np.nanmean(apart) < 2
-    assert larger.regions.shape == (640, 640)
-    assert (larger.regions[2::4, 2::4] == found.regions).mean() > 0.9
+    apart = []
+    for number in (12, 13, 16, 17):
+        pixels = pictures.marked(number).pixels
+        usual = detect_faces(pixels, detector, DetectSettings(widest=np.inf))
+        larger = detect_faces(cv2.resize(pixels, (640, 640)), detector, DetectSettings(widest=np.inf))
+        assert len(larger.faces) == len(usual.faces) >= 1
+        places = (larger.faces[0].landmarks.points + 0.5) / 4 - 0.5
+        apart.append(np.linalg.norm(places - usual.faces[0].landmarks.points, axis=1))
+        assert larger.regions.shape == (640, 640)
+        assert (larger.regions[2::4, 2::4] == usual.regions).mean() > 0.9
+    # Of one of them a network of seconds alone is two pixels unsure.
+    assert np.nanmean(apart) < 1.5
 
 
 def test_what_is_beyond_the_edge_or_vague_is_not_known(head_template):
