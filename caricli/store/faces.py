@@ -57,7 +57,8 @@ def _checked(face: Face, path: Path, model: ShapeModel) -> Face:
         other = f"{len(face.vertices)} vertices, {len(face.faces)} triangles"
         other = "as many in another order" if other == counts else other
         hint = "; the skin of a whole head is what --parts skin writes" if face.mesh.begins_with(template) else ""
-        hint = "; export quads, which were cut into other triangles" if face.mesh.is_cut_otherwise(template) else hint
+        cut = face.mesh.cut_hint(template)
+        hint = hint if cut is None else f"; {cut}"
         raise InputError(f"{shown(path)}: expected the topology of the model ({counts}), found another ({other}){hint}")
     height = face.mesh.height
     if not _SMALLEST < height / template.height < _LARGEST:

@@ -87,10 +87,14 @@ class Mesh:
         """Whether its first triangles are those of another mesh, as in a head whose parts come after its skin."""
         return len(self.faces) > len(other.faces) and np.array_equal(self.faces[: len(other.faces)], other.faces)
 
-    def is_cut_otherwise(self, other: "Mesh") -> bool:
-        """Whether its triangles cut the polygons of another mesh along other diagonals, as some programs do."""
+    def cut_hint(self, other: "Mesh") -> str | None:
+        """How to export it where its triangles cut the polygons of another mesh otherwise, as some programs do."""
         same = len(self.vertices) == len(other.vertices) and len(self.faces) == len(other.faces)
-        return same and bool(np.isin(_sides(other.polygons), _sides(self.faces)).all())
+        if not same or not np.isin(_sides(other.polygons), _sides(self.faces)).all():
+            return None
+        if len(self.polygons) == len(self.faces):
+            return "export quads, which were cut into other triangles"
+        return "export polygons in their order and each from its own first corner, which were changed"
 
     def with_vertices(self, vertices: np.ndarray) -> Self:
         """The same mesh in another shape. vertices: (V, 3), as many as there are."""

@@ -90,13 +90,17 @@ def test_meshes_with_loose_vertices_are_of_a_topology_of_their_own():
 def test_quads_cut_along_the_other_diagonal_are_told_from_another_mesh():
     places = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]])
     quads = Mesh(places, [[0, 1, 4, 3], [1, 2, 5, 4]])
-    assert Mesh(places, [[1, 4, 3], [0, 1, 3], [1, 2, 5], [1, 5, 4]]).is_cut_otherwise(quads)
-    assert Mesh(places, quads.faces).is_cut_otherwise(quads)
-    assert not Mesh(places, [[0, 1, 2], [0, 2, 5], [0, 5, 3], [3, 5, 4]]).is_cut_otherwise(quads)
-    assert not Mesh(places, quads.faces[:3]).is_cut_otherwise(quads)
+    assert Mesh(places, [[1, 4, 3], [0, 1, 3], [1, 2, 5], [1, 5, 4]]).cut_hint(quads)
+    assert Mesh(places, quads.faces).cut_hint(quads)
+    assert not Mesh(places, [[0, 1, 2], [0, 2, 5], [0, 5, 3], [3, 5, 4]]).cut_hint(quads)
+    assert not Mesh(places, quads.faces[:3]).cut_hint(quads)
+    assert "quads" in Mesh(places, quads.faces).cut_hint(quads)
+    # Quads already, but from another corner, or in another order.
+    assert "first corner" in Mesh(places, np.roll(quads.polygons, 1, axis=1)).cut_hint(quads)
+    assert "in their order" in Mesh(places, quads.polygons[::-1]).cut_hint(quads)
     mixed = Mesh(places, [[0, 1, 4, 3], [1, 2, 5, -1], [1, 5, 4, -1]])
-    assert Mesh(places, [[1, 4, 3], [0, 1, 3], [1, 2, 5], [1, 5, 4]]).is_cut_otherwise(mixed)
-    assert not Mesh(places, [[0, 1, 4], [0, 4, 3], [1, 2, 4], [2, 5, 4]]).is_cut_otherwise(mixed)
+    assert Mesh(places, [[1, 4, 3], [0, 1, 3], [1, 2, 5], [1, 5, 4]]).cut_hint(mixed)
+    assert not Mesh(places, [[0, 1, 4], [0, 4, 3], [1, 2, 4], [2, 5, 4]]).cut_hint(mixed)
 
 
 def test_another_shape_shares_all_but_the_vertices():

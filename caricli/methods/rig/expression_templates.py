@@ -126,9 +126,8 @@ class ExpressionTemplates:
         if mesh.topology_id != self.mesh.topology_id:
             expected = f"{len(self.neutral)} vertices, {len(self.faces)} triangles"
             hint = ", or of a whole head its skin, as --parts skin writes it" if mesh.begins_with(self.mesh) else ""
-            hint = (
-                ", or export quads, which were cut into other triangles" if mesh.is_cut_otherwise(self.mesh) else hint
-            )
+            cut = mesh.cut_hint(self.mesh)
+            hint = hint if cut is None else f", or {cut}"
             raise InputError(
                 f"expected the topology of the templates ({expected}), found another ({len(mesh.vertices)} vertices, "
                 f"{len(mesh.faces)}); give templates of its own mesh (--templates){hint}"
