@@ -204,7 +204,7 @@ def _report(json, others, result, rest, given, description):
 
 def _advise(face, result, rest, neutral):
     """Say what closes the lips of a RigResult, where they are apart, and where it is no head in metres."""
-    from caricli.methods.inspect.check_mesh import size_hint
+    from caricli.methods.inspect.size_hint import size_hint
     from caricli.methods.rig.rig_figures import lips_are_apart
 
     hint = size_hint(rest.mesh.height)

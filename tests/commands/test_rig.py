@@ -257,7 +257,7 @@ def test_a_face_that_laughs_comes_to_rest_first(run, laughing, face, head_templa
 
 
 def test_what_closes_the_lips_of_ones_own_mesh_is_said(capsys):
-    rest = SimpleNamespace(shown=None)
+    rest = SimpleNamespace(shown=None, mesh=SimpleNamespace(height=0.23))
     _advise("scan.obj", SimpleNamespace(measures=SimpleNamespace(lips_open=0.5)), rest, "auto")
     assert "caricli blendshapes closes them with a --model" in capsys.readouterr().err
 

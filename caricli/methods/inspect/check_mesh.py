@@ -9,13 +9,8 @@ from scipy.sparse.csgraph import connected_components
 from caricli.geometry.deformation.deformation_gradients import DeformationGradients
 from caricli.geometry.repair.flat_triangles import flat_triangles
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.methods.inspect.size_hint import size_hint
 from caricli.structures import Mesh
-
-HEAD_HEIGHT = (0.1, 1.0)
-"""How high a head may be, metres."""
-
-_USUAL_HEIGHT = 0.25
-_UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
 
 
 @dataclass(frozen=True)
@@ -88,18 +83,6 @@ def check_mesh(mesh: Mesh, head: Mesh | None = None) -> MeshCheck:
         misoriented=int(((sharing == 2) & (forwards != 1)).sum()),
         flipped=_flipped(vertices, head) if same and head is not None else None,
     )
-
-
-def size_hint(height: float) -> str | None:
-    """What a height says of the unit, or None where it is that of a head in metres."""
-    if HEAD_HEIGHT[0] <= height <= HEAD_HEIGHT[1]:
-        return None
-    metres = {unit: height * share for unit, share in _UNITS.items()}
-    heads = {unit: high for unit, high in metres.items() if HEAD_HEIGHT[0] <= high <= HEAD_HEIGHT[1]}
-    if heads:
-        unit = min(heads, key=lambda unit: abs(np.log(heads[unit] / _USUAL_HEIGHT)))
-        return f"{height:.3g} m high, as a head in {unit}: expected metres"
-    return f"{height:.3g} m high: expected a head in metres, {HEAD_HEIGHT[0]} to {HEAD_HEIGHT[1]:g} m"
 
 
 def _flipped(vertices: np.ndarray, head: Mesh) -> int:

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from caricli.methods.inspect.check_mesh import check_mesh, size_hint
+from caricli.methods.inspect.check_mesh import check_mesh
+from caricli.methods.inspect.size_hint import size_hint
 from caricli.structures import Mesh
 
 
