@@ -148,7 +148,7 @@ class RigTask:
         paths = [*_paths(out, self.usd), *picture_files(out.with_suffix(".png"))]
         with staged(*paths, overwrite=self.overwrite, inputs=inputs) as files:
             glb, npz, json, *others = files
-            images = load_pictures(face, self.texture)
+            images = given.pictures if given.pictures and self.texture is None else load_pictures(face, self.texture)
             moods = [(path, Mood(name, read_image(path))) for name, path in self.moods.items()]
             with naming(face), progress_bar("expressions"):
                 rest = _rest(given, self.neutral)

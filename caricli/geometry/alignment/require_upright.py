@@ -3,6 +3,7 @@
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.alignment.similarity import similarity
 
 _TURNED = 30
 """Degrees beyond which a head is turned, and not only crooked."""
@@ -13,10 +14,11 @@ def require_upright(vertices: np.ndarray, upright: np.ndarray) -> None:
 
     vertices, upright: (V, 3) of it and of one that looks to +z with +y up, in any units and places.
     """
-    u, _, vt = np.linalg.svd((vertices - vertices.mean(0)).T @ (upright - upright.mean(0)))
+    _, rotation, _ = similarity(upright, vertices)
     expected = "expected a head that looks to +z and has +y up and its left side at +x"
-    if np.linalg.det(u @ vt) < 0:
+    # What fits best is a reflection.
+    if np.linalg.det((vertices - vertices.mean(0)).T @ (upright - upright.mean(0))) < 0:
         raise InputError(f"{expected}, found its mirror image")
-    turned = np.degrees(np.arccos(np.clip((np.trace(u @ vt) - 1) / 2, -1, 1)))
+    turned = np.degrees(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1, 1)))
     if turned > _TURNED:
         raise InputError(f"{expected}, found one turned by {turned:.0f} degrees")
