@@ -11,6 +11,7 @@ from caricli.geometry.deformation.deformation_gradients import DeformationGradie
 from caricli.geometry.deformation.elastic_anchors import ElasticAnchors
 from caricli.geometry.deformation.lengthen_neck import Neck
 from caricli.geometry.repair.tuck_cavities import Cavities
+from caricli.geometry.repair.untangle import untangle
 from caricli.io.kept import kept_arrays
 from caricli.structures import Mesh, Part
 from caricli.structures.landmarks import POINT_NAMES
@@ -57,6 +58,10 @@ class Template(Mesh):
         still[note.landmarks] = True
         neck = note.regions.get("neck", np.zeros(0, np.int64))
         return Neck(self.vertices, self.faces, neck, int(note.landmarks[POINT_NAMES["chin"]]), still)
+
+    def mended(self, vertices: np.ndarray) -> np.ndarray:
+        """Vertices (V, 3) of this mesh with flipped triangles turned back and cavities behind the skin."""
+        return self.cavities.tuck(untangle(vertices, self.gradients))
 
     def region(self, name: str) -> np.ndarray:
         """Vertex ids of a region; all vertices where the annotation does not name it."""

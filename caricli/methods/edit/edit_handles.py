@@ -196,12 +196,12 @@ class _Solver:
         return best
 
     def _decoded(self, whitened: np.ndarray) -> Face:
-        """The face of a whitened latent (D,), without triangles that the edit turned over."""
+        """The face of a whitened latent (D,), without triangles that the edit turned over, and with cavities inside."""
         latent = self.model.prior.colour(whitened)
         decoded = decode_face(replace(self.face, latent=latent), self.model, self.face.shift)
-        gradients = self.model.template.gradients
-        vertices = untangle(decoded.vertices, gradients, self.settings.untangling, self.face.vertices)
-        return decoded.with_vertices(vertices)
+        template = self.model.template
+        vertices = untangle(decoded.vertices, template.gradients, self.settings.untangling, self.face.vertices)
+        return decoded.with_vertices(template.cavities.tuck(vertices))
 
     def _latent(self, displacements: np.ndarray, whitened: np.ndarray) -> np.ndarray:
         """The whitened latent (D,) that takes the handles nearest to their goals, sought from another one."""

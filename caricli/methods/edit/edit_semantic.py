@@ -55,11 +55,19 @@ class SemanticEdit:
 def edit_semantic(face: EncodedFace, model: ShapeModel, edit: SemanticEdit) -> EncodedFace:
     """Move the whitened latent by ``sum_k s_k n_k``; what the latent cannot express stays as it is.
 
+    The shape is mended (``Template.mended``): far out triangles turn over, and cavities come through the skin. Latent
+    and residual say nothing of this, so that the opposite edit leads back to the face, mended if it was not sound.
+
     face: EncodedFace of the model. model: ShapeModel. edit: SemanticEdit by directions of the model.
     Returns EncodedFace. Raises InputError.
     """
-    latent = face.latent + model.prior.factor @ edit.step()
-    return encode_face(decode_face(replace(face, latent=latent), model, face.shift), model)
+    step = edit.step()
+    if not step.any():
+        return face
+    latent = face.latent + model.prior.factor @ step
+    moved = encode_face(decode_face(replace(face, latent=latent), model, face.shift), model)
+    sound = face.with_vertices(model.template.mended(moved.vertices))
+    return replace(moved, mesh=sound.mesh, hair=sound.hair)
 
 
 def label_direction(directions: Directions, name: str, keep: Sequence[str] = ()) -> np.ndarray:

@@ -38,7 +38,7 @@ def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     The face keeps its likeness: ``decode_face`` gives the very vertices back. All else of it stays.
 
     face: Face of the model's topology. A latent that is the model's is kept, and with it a residual where both give the
-    vertices to a micrometre; else they are found.
+    vertices to a micrometre, as they are or mended (``Template.mended``); else they are found.
     model: ShapeModel.
     Returns EncodedFace.
     """
@@ -52,8 +52,11 @@ def encode_face(face: Face, model: ShapeModel) -> EncodedFace:
     mesh = face.mesh.with_vertices(vertices)
     coded = replace(_plain(face), mesh=mesh, latent=latent, residual=residual, model_id=model.model_id)
     # Features of no shape do not come back from their shape: only as they were given do steps to and fro cancel.
-    if residual is None or not _gives_back(coded, model, shift):
+    given = None if residual is None else _given_shift(coded, model, shift)
+    if given is None:
         residual = model.template.gradients.features(vertices) - _own_features(model, latent, own)
+    else:
+        shift = given
     error = float(np.linalg.norm(own + place - vertices, axis=-1).mean())
     return EncodedFace(
         **vars(coded) | {"residual": residual},
@@ -97,8 +100,22 @@ def _plain(face: Face) -> Face:
     return Face(**{part.name: getattr(face, part.name) for part in fields(Face)})
 
 
-def _gives_back(face: Face, model: ShapeModel, shift: np.ndarray) -> bool:
-    return bool(np.abs(decode_face(face, model, shift).vertices - face.vertices).max() < _SAME)
+def _given_shift(face: Face, model: ShapeModel, shift: np.ndarray) -> np.ndarray | None:
+    """The shift (C, 3) by which latent and residual give the vertices, as they are or mended; None where they do not.
+
+    shift: that of the vertices, which mending may have moved.
+    """
+    decoded = decode_face(face, model, shift).vertices
+    if _same(decoded, face.vertices):
+        return shift
+    mended = model.template.mended(decoded)
+    components = model.template.gradients.components
+    away = components.averages @ (face.vertices - mended)
+    return shift + away if _same(mended + away[components.labels], face.vertices) else None
+
+
+def _same(vertices: np.ndarray, others: np.ndarray) -> bool:
+    return bool(np.abs(vertices - others).max() < _SAME)
 
 
 def _own_features(model: ShapeModel, latent: np.ndarray, own: np.ndarray) -> np.ndarray:

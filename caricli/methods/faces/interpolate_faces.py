@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.geometry.repair.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
@@ -14,10 +13,10 @@ from caricli.structures import Face
 def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel, steps: int) -> Iterator[EncodedFace]:
     """Go from one face to another in equal steps of the latent, and of what it leaves over.
 
-    The ends are the given faces exactly; in between, triangles that flip on the way are turned back. No picture shows
-    what is between two faces, so none has a camera. What they wear turns from one into the other where both wear
-    pictures of one layout and size; else a step wears what the nearer end does, or the one that wears pictures or hair.
-    Teeth grow and shrink on the way.
+    The ends are the given faces exactly; in between, triangles that flip on the way are turned back, and cavities kept
+    behind the skin. No picture shows what is between two faces, so none has a camera. What they wear turns from one
+    into the other where both wear pictures of one layout and size; else a step wears what the nearer end does, or the
+    one that wears pictures or hair. Teeth grow and shrink on the way.
 
     first, second: EncodedFace of the model. model: ShapeModel. steps: number of faces, both ends included, at least 2.
     Yields an EncodedFace for every step.
@@ -29,7 +28,7 @@ def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel
         shift = (1 - weight) * first.shift + weight * second.shift
         worn = _worn(first, second, float(weight))
         blend = replace(worn, latent=latent, residual=residual, model_id=model.model_id)
-        vertices = untangle(decode_face(blend, model, shift).vertices, model.template.gradients)
+        vertices = model.template.mended(decode_face(blend, model, shift).vertices)
         yield encode_face(replace(blend, residual=None).with_vertices(vertices), model)
     yield _unseen(second)
 

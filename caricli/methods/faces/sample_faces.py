@@ -7,7 +7,6 @@ import numpy as np
 
 from caricli.errors import NumericsError
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
-from caricli.geometry.repair.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.morphable.wear_colours import wear_colours
 from caricli.models.morphable.model import MorphableModel
@@ -62,7 +61,7 @@ def sample_faces(
     while rejected < TRIES:
         latent = model.prior.colour(spread * generator.normal(size=len(model.prior.mean)))
         drawn = model.decode(latent)
-        vertices = template.cavities.tuck(untangle(drawn, template.gradients))
+        vertices = template.mended(drawn)
         before, after = (float(flipped_triangles(v, template.gradients).mean()) for v in (drawn, vertices))
         if after > max_flipped:
             rejected += 1

@@ -6,7 +6,6 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.geometry.lines.match_line import resample
-from caricli.geometry.repair.untangle import untangle
 from caricli.methods.faces.encode_face import EncodedFace, encode_face
 from caricli.methods.session.draw_operations import stroke_of
 from caricli.methods.session.parameters import Parameters, number, only, points
@@ -209,8 +208,7 @@ def _followed(work: Work, lines: dict[str, np.ndarray], tools: Tools) -> Encoded
         np.add.at(counts, rows, weights)
     template = tools.model.template
     moved = reconstruction.follower.follow(work.face.vertices, redraw_camera(tools), sums / counts[:, None])
-    sound = template.cavities.tuck(untangle(moved, template.gradients))
-    return encode_face(work.face.with_vertices(sound), tools.model)
+    return encode_face(work.face.with_vertices(template.mended(moved)), tools.model)
 
 
 def _words(name: str) -> str:

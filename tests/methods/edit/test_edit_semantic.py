@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_direction
-from caricli.methods.faces.encode_face import encode_face
+from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.models.prior import Prior
 from caricli.structures import Directions, Face
 
@@ -56,13 +57,36 @@ def test_steps_are_standard_deviations_of_any_prior(pca, strangers):
 
 
 def test_there_and_back_is_the_same_face(model, directions, strangers):
-    face = encoded(strangers[2] + 0.02, model)
+    face = encoded(model.template.mended(strangers[3]) + 0.02, model)
     edit = SemanticEdit(directions, {"Smile": 3.0}, ["Old"])
     there = edit_semantic(face, model, edit)
     back = edit_semantic(there, model, edit.scaled(-1))
     assert np.abs(back.vertices - face.vertices).max() < 1e-7 * model.template.height
     zero = edit_semantic(face, model, edit.scaled(0))
     assert np.abs(zero.vertices - face.vertices).max() < 1e-8
+
+
+def test_far_edits_are_mended_and_lead_back(model, directions, strangers):
+    face = encoded(model.template.mended(strangers[3]), model)
+    edit = SemanticEdit(directions, {"Smile": 12.0})
+    there = edit_semantic(face, model, edit)
+    gradients = model.template.gradients
+    torn, mended = (flipped_triangles(each.vertices, gradients).sum() for each in (decode_face(there, model), there))
+    assert mended < torn / 4
+    anew = encode_face(Face(there.mesh, latent=there.latent, residual=there.residual, model_id=there.model_id), model)
+    assert anew.residual is there.residual
+    for edited in (there, anew):
+        back = edit_semantic(edited, model, edit.scaled(-1))
+        assert np.abs(back.vertices - face.vertices).max() < 1e-7 * model.template.height
+
+
+def test_a_torn_face_comes_back_mended(pca, directions, strangers):
+    face = encoded(strangers[2], pca)
+    mended = pca.template.mended(face.vertices)
+    assert np.abs(mended - face.vertices).max() > 1e-3
+    edit = SemanticEdit(directions, {"Smile": 0.1})
+    back = edit_semantic(edit_semantic(face, pca, edit), pca, edit.scaled(-1))
+    assert np.abs(back.vertices - mended).max() < 1e-7
 
 
 def test_what_is_kept_is_not_in_the_direction():
