@@ -33,7 +33,7 @@ ROUNDS = 12
 """Edges that features are smoothed over: folds, which are smaller, would only fold over."""
 
 EDGE = 4
-"""Edges over which the exaggeration fades out towards eyes and mouth."""
+"""Edges over which the exaggeration fades out towards eyes, mouth and neck."""
 
 STEP = 0.25
 """Strength of one step: small enough that triangles that turn over can be turned back."""
@@ -63,9 +63,9 @@ def caricaturize_face(
     "direction" goes ``strength`` standard deviations from regular faces towards caricatures (deformable paper 5.4), and
     what the latent cannot express stays. "own" enlarges what sets the face apart from the mean head, as caricaturists
     do: to its deformation-gradient features against the template, which the mean head has none of, ``OWN * strength``
-    times the same features, smoothed over ``ROUNDS`` edges, are added; eyes and mouth keep the expression. It grows by
-    steps of ``STEP``, each of which is taken back where it turns triangles over, so that more strength never
-    exaggerates less. Size and place stay.
+    times the same features, smoothed over ``ROUNDS`` edges, are added; eyes and mouth keep the expression, and the neck
+    its width, of which that of a drawing would soon have none. It grows by steps of ``STEP``, each of which is taken
+    back where it turns triangles over, so that more strength never exaggerates less. Size and place stay.
 
     face: EncodedFace of the model. model: ShapeModel. strength: 0 changes nothing, 1 shows clearly, 2 is strong.
     mode: of MODES. directions: Directions of the model with the label "Caricature", for "direction".
@@ -131,10 +131,10 @@ def _grown(vertices: np.ndarray, strength: float, template: Template) -> np.ndar
 
 
 def _broad(features: np.ndarray, template: Template) -> np.ndarray:
-    """Features (V, 9) without their details, fading out towards eyes and mouth."""
+    """Features (V, 9) without their details, fading out towards eyes, mouth and neck."""
     _, neighbours = vertex_neighbours(template.faces, len(template.vertices))
     mean = 0.5 * (sp.identity(len(template.vertices)) + neighbours)
-    free = 1.0 - template.mask(*DELICATE)
+    free = 1.0 - template.mask(*DELICATE, "neck")
     for _ in range(EDGE):
         free = mean @ free
     for _ in range(ROUNDS):

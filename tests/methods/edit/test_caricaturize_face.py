@@ -86,6 +86,18 @@ def test_own_changes_eyes_and_mouth_less_than_the_rest(pca, strangers):
         assert np.median(change[held]) < 0.7 * np.median(change[~held])
 
 
+def test_a_thin_neck_does_not_become_a_thread(pca):
+    template = pca.template
+    heights = template.vertices[:, 1]
+    low = template.mask("neck") & (heights < heights[template.annotation.landmarks[8]])
+    thin = template.vertices.copy()
+    thin[low] += 0.7 * (thin[low].mean(0) - thin[low]) * (1, 0, 1)
+    grown = caricaturize_face(encoded(thin, pca), pca, 2.0, "own").vertices
+    end = low & (heights < np.quantile(heights[low], 0.3))
+    width, before = (np.ptp(each[end, 0]) for each in (grown, thin))
+    assert width > 0.7 * before
+
+
 def test_directions_without_caricatures_are_refused(pca, strangers):
     normal, one = np.eye(len(pca.prior.mean))[:1], np.ones(1)
     others = Directions(("Smile",), normal, normal, one, one, 1, one, one, "id", {}, normal[:0])
