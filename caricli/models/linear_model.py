@@ -5,18 +5,19 @@ from scipy.sparse import csr_matrix
 
 from caricli.geometry.per_column import per_column
 from caricli.models.linear_basis import LinearBasis, direction_products
+from caricli.models.model_id import NamedByWeights
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
 from caricli.template.template import Template
 
 
-class LinearModel:
+class LinearModel(NamedByWeights):
     """vertices = mean + latent @ basis; a latent is in standard deviations of the training shapes."""
 
     seen: SeenPeople | None = None
 
-    def __init__(self, template: Template, basis: LinearBasis, model_id: str, noise: float = 0.0) -> None:
-        """basis: metres, independent. model_id: see ShapeModel.
+    def __init__(self, template: Template, basis: LinearBasis, noise: float = 0.0) -> None:
+        """basis: metres, independent.
 
         noise: metres, how far a coordinate is expected from what the basis makes of it: encoding then prefers short
         latents; without noise it is the orthogonal projection.
@@ -24,7 +25,6 @@ class LinearModel:
         self.template = template
         self.mean = basis.mean
         self.basis = basis.basis
-        self.model_id = model_id
         self.prior = Prior.standard(len(self.basis))
         flat = self.basis.reshape(len(self.basis), -1)
         self._encoder = np.linalg.solve(direction_products(flat, ridge=noise**2), flat)

@@ -14,16 +14,18 @@ from caricli.template.template import Template
 class ShapeModel(Protocol):
     """A space of shapes of one template. Arrays are NumPy; leading dimensions are batches; metres.
 
-    ``kind`` names the class in a checkpoint. ``model_id`` names the weights, the SHA-256 of ``tensors()`` as
-    ``checkpoint.model_id`` takes it; it is "" where the model does not come out of a checkpoint.
+    ``kind`` names the class in a checkpoint. ``model_id`` names the weights, see the function of this name.
     ``seen`` says whom it was trained with; None where the checkpoint does not.
     """
 
     kind: str
-    model_id: str
     template: Template
     prior: Prior
     seen: SeenPeople | None
+
+    @property
+    def model_id(self) -> str:
+        """SHA-256 of ``tensors()``: latents of other weights mean other shapes."""
 
     def prepare(self) -> None:
         """Factor what fits need, so that the first one takes no longer than the others."""
@@ -47,7 +49,7 @@ class ShapeModel(Protocol):
         """Everything beyond the template that a checkpoint must hold."""
 
     @classmethod
-    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray]) -> Self:
         """Rebuild from ``tensors()``. Raises KeyError or ValueError for what does not fit the template or itself."""
 
 

@@ -10,8 +10,9 @@ from caricli.errors import InputError, shown
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
 from caricli.io.strict_json import read_json
-from caricli.models.checkpoint import model_from_checkpoint, model_id, own_tensors
+from caricli.models.checkpoint import model_from_checkpoint, own_tensors
 from caricli.models.kinds import KINDS
+from caricli.models.model_id import model_id
 from caricli.models.shape_model import ShapeModel
 from caricli.template.layout import bundled_layout
 from caricli.template.template import Template

@@ -261,7 +261,7 @@ def _read_name(path: Path) -> None:
 @cache
 def _pca() -> ShapeModel:
     own = template()
-    return PcaModel(own, own.vertices, _RANDOM.normal(0, 0.004, (4, len(own.vertices), 3)), "pca")
+    return PcaModel(own, own.vertices, _RANDOM.normal(0, 0.004, (4, len(own.vertices), 3)))
 
 
 def _load_face(path: Path) -> None:

@@ -119,7 +119,7 @@ def test_components_stay_where_they_belong(head_template, people, ball):
     latents = model.encode(shapes[:3])
     decoded = model.decode(latents)
     assert np.linalg.norm(decoded - shapes[:3], axis=2).max() < 2e-3
-    back = IntrinsicModel.from_tensors(template, model.tensors(), "")
+    back = IntrinsicModel.from_tensors(template, model.tensors())
     assert np.abs(back.decode(latents) - decoded).max() < 1e-3
     points = np.array([2, count + 7, 30])
     positions, jacobian = model.points_jacobian(latents[0], points)

@@ -10,6 +10,7 @@ from caricli.errors import NumericsError
 from caricli.geometry.per_column import per_column
 from caricli.models.bilinear.config import BilinearConfig
 from caricli.models.bilinear.space import BilinearSpace
+from caricli.models.model_id import NamedByWeights
 from caricli.models.principal_components import MIN_SHARE
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
@@ -19,7 +20,7 @@ _SAME = 1e-6
 """Faces that differ by less, relative to their largest number, are the same."""
 
 
-class BilinearModel:
+class BilinearModel(NamedByWeights):
     """vertices = C x_2 u x_3 v (sketch paper, section 4.2); a latent is a code of a BilinearSpace.
 
     Its rows are coordinates in an orthonormal basis of the core's own columns, because fits and files need no more.
@@ -28,13 +29,12 @@ class BilinearModel:
     kind = "bilinear"
     seen: SeenPeople | None = None
 
-    def __init__(self, template: Template, basis: np.ndarray, space: BilinearSpace, model_id: str = "") -> None:
+    def __init__(self, template: Template, basis: np.ndarray, space: BilinearSpace) -> None:
         """basis: (R, V, 3), orthonormal up to the rounding of files. space: of R numbers, metres."""
         self.template = template
         self.basis = basis
         self.space = space
         self.prior = space.prior
-        self.model_id = model_id
         flat = basis.reshape(len(basis), -1)
         self._projector = np.linalg.solve(flat @ flat.T, flat)
 
@@ -56,7 +56,7 @@ class BilinearModel:
         return cls(template, vertices, small.fitted_to(flat.reshape(-1, flat.shape[-1]) @ basis[:, kept]))
 
     @classmethod
-    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray]) -> Self:
         """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
         names = ("first", "basis", "core", "code", "factor", "noise")
         first, basis, core, code, factor, noise = (tensors[name].astype(float) for name in names)
@@ -65,7 +65,7 @@ class BilinearModel:
         if not fits or noise.shape or noise <= 0:
             raise ValueError(f"first {first.shape}, basis {basis.shape}, core {core.shape} for {shape[0]} vertices")
         space = BilinearSpace(core, Prior(code, factor), float(noise))
-        return cls(template, np.concatenate([first[None], basis]), space, model_id)
+        return cls(template, np.concatenate([first[None], basis]), space)
 
     def tensors(self) -> dict[str, np.ndarray]:
         """See ShapeModel. The first direction is about the mean face, which half precision would make rough."""

@@ -13,6 +13,7 @@ from caricli.errors import NumericsError
 from caricli.geometry.gauss_newton import Damping
 from caricli.models.deformable.config import NetworkSize
 from caricli.models.deformable.networks import HyperSiren, siren
+from caricli.models.model_id import NamedByWeights
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
 from caricli.structures.checks import are_apart, coordinate_problem
@@ -72,7 +73,7 @@ class UnitBox:
         return (points - self.centre) * self.scale
 
 
-class DeformableModel:
+class DeformableModel(NamedByWeights):
     """vertices = points + S(points; H(latent)), a continuous function of the template's surface.
 
     A latent has no unit; ``prior`` knows how the training latents are spread.
@@ -81,18 +82,15 @@ class DeformableModel:
     kind = "deformable"
     seen: SeenPeople | None = None
 
-    def __init__(
-        self, template: Template, network: HyperSiren, points: np.ndarray, prior: Prior, model_id: str = ""
-    ) -> None:
+    def __init__(self, template: Template, network: HyperSiren, points: np.ndarray, prior: Prior) -> None:
         """points: (V, 3) metres, see UnitBox. prior: of the latents."""
         self.template = template
         self.prior = prior
-        self.model_id = model_id
         self.box = UnitBox(points)
         self.network = network.eval().requires_grad_(False)
 
     @classmethod
-    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray]) -> Self:
         """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
         weights = {name.removeprefix("network."): t for name, t in tensors.items() if name.startswith("network.")}
         count, hidden, latent = weights["first.weight"].shape
@@ -111,7 +109,7 @@ class DeformableModel:
             raise ValueError("the shapes of its weights do not fit each other")
         given = {name: torch.from_numpy(t.astype(np.float32)) for name, t in weights.items()}
         network.load_state_dict(given, assign=True)
-        return cls(template, network, points, Prior(mean, factor), model_id)
+        return cls(template, network, points, Prior(mean, factor))
 
     def tensors(self) -> dict[str, np.ndarray]:
         """See ShapeModel: weights in half precision, biases whole, because they hold the SIREN of the mean face."""

@@ -9,7 +9,6 @@ from scipy.special import expit
 
 from caricli.errors import InputError, naming
 from caricli.io.kept import kept_arrays
-from caricli.models.checkpoint import model_id
 from caricli.models.checks import check_schema, network_size, window_side
 from caricli.models.detector.calibration import Calibration, calibration_of
 from caricli.models.detector.config import COARSE, FINE, HALF, REACH, STEP, DetectorSize
@@ -18,6 +17,7 @@ from caricli.models.detector.landmark_heads import LandmarkHeads
 from caricli.models.detector.usual_shapes import UsualShapes
 from caricli.models.detector.weights import CHANCES, FACES, FEATURES, WINDOWS, DetectorWeights
 from caricli.models.half_precision import in_half_precision
+from caricli.models.model_id import NamedByWeights
 from caricli.models.network_session import network_session
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.parsing import Region
@@ -64,7 +64,7 @@ class Reading:
     regions: np.ndarray
 
 
-class Detector:
+class Detector(NamedByWeights):
     """Finds faces in windows of pictures, and reads their landmarks and regions."""
 
     kind = "detector"
@@ -87,11 +87,6 @@ class Detector:
         self.recipe = recipe
         self._heads = LandmarkHeads.of(weights.arrays, LANDMARKS, weights.size.widths[0])
         self._session = network_session(_graph(weights))
-
-    @property
-    def model_id(self) -> str:
-        """SHA-256 of its weights."""
-        return model_id(self.kind, self.tensors())
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name: of the network, in half precision, and where the jaw's points are."""

@@ -13,6 +13,7 @@ from caricli.geometry.per_column import per_column
 from caricli.io.kept import kept_arrays
 from caricli.models.intrinsic.config import IntrinsicConfig
 from caricli.models.linear_basis import direction_products
+from caricli.models.model_id import NamedByWeights
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
@@ -26,7 +27,7 @@ _OFFSET_RIDGE = 1e-3
 """Of the regression of the offsets, a share of the latents' variance: with fewer shapes than unknowns they explode."""
 
 
-class IntrinsicModel:
+class IntrinsicModel(NamedByWeights):
     """features = mean + latent @ basis, then DeformationGradients; a latent is in training standard deviations.
 
     The features do not hold where components are; how far each is moved is a linear function of the latent.
@@ -35,16 +36,13 @@ class IntrinsicModel:
     kind = "intrinsic"
     seen: SeenPeople | None = None
 
-    def __init__(
-        self, template: Template, mean: np.ndarray, basis: np.ndarray, offset: np.ndarray, model_id: str = ""
-    ) -> None:
+    def __init__(self, template: Template, mean: np.ndarray, basis: np.ndarray, offset: np.ndarray) -> None:
         """mean: (V, 9). basis: (D, V, 9) per standard deviation. offset: (D + 1, 3 C) metres, of C components."""
         self.template = template
         self.mean = mean
         self.basis = basis
         self.offset = offset
         self._labels = template.gradients.components.labels
-        self.model_id = model_id
         self.prior = Prior.standard(len(basis))
         direction_products(basis.reshape(len(basis), -1))
         # The vertices whose rows of the solution are kept, in ascending order, and these rows.
@@ -74,14 +72,14 @@ class IntrinsicModel:
         return model
 
     @classmethod
-    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray]) -> Self:
         """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
         mean, basis, offset = (tensors[name].astype(float) for name in ("mean", "basis", "offset"))
         count = len(template.vertices)
         places = (len(basis) + 1, 3 * template.gradients.components.count)
         if mean.shape != (count, FEATURES) or basis.shape[1:] != mean.shape or offset.shape != places:
             raise ValueError(f"mean {mean.shape}, basis {basis.shape}, offset {offset.shape} for {count} vertices")
-        return cls(template, mean, basis, offset, model_id)
+        return cls(template, mean, basis, offset)
 
     def tensors(self) -> dict[str, np.ndarray]:
         """See ShapeModel."""
@@ -106,7 +104,7 @@ class IntrinsicModel:
         """(A, 3, D) derivatives by the latent, at the mean face, of the points of the template's ``anchors``."""
         template = self.template
         points = template.annotation.anchor_ids()
-        given = (template.vertices, template.faces, points, self.mean, self.offset, self.model_id or self.basis)
+        given = (template.vertices, template.faces, points, self.mean, self.offset, self.model_id)
         return kept_arrays("tangent", given, partial(self._tangent_at, points))["tangent"]
 
     def _tangent_at(self, points: np.ndarray) -> Mapping[str, np.ndarray]:

@@ -12,6 +12,7 @@ from caricli.geometry.per_column import per_column
 from caricli.models.kernel.config import KernelConfig
 from caricli.models.kernel.gaussian_process import GaussianProcess, gaussian_kernel
 from caricli.models.linear_basis import direction_products
+from caricli.models.model_id import NamedByWeights
 from caricli.models.principal_components import principal_components
 from caricli.models.prior import Prior
 from caricli.structures import SeenPeople
@@ -25,7 +26,7 @@ _JITTER = 1e-4
 _MEAN_FACES = 1e4
 
 
-class KernelModel:
+class KernelModel(NamedByWeights):
     """vertices = mean + [latent, g(latent)] @ basis; a latent is in standard deviations of the training shapes.
 
     The latent holds the first D coefficients of a shape, the GaussianProcess g predicts the E finer ones. Far from the
@@ -35,15 +36,12 @@ class KernelModel:
     kind = "kernel"
     seen: SeenPeople | None = None
 
-    def __init__(
-        self, template: Template, mean: np.ndarray, basis: np.ndarray, process: GaussianProcess, model_id: str = ""
-    ) -> None:
+    def __init__(self, template: Template, mean: np.ndarray, basis: np.ndarray, process: GaussianProcess) -> None:
         """mean: (V, 3) metres. basis: (D + E, V, 3) metres at one standard deviation. process: of D to E numbers."""
         self.template = template
         self.mean = mean
         self.basis = basis
         self.process = process
-        self.model_id = model_id
         self.prior = Prior.standard(len(process.scale))
         flat = basis.reshape(len(basis), -1)
         self._gram = direction_products(flat)
@@ -63,7 +61,7 @@ class KernelModel:
         return cls(template, mean.astype(float), basis.astype(float), process)
 
     @classmethod
-    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray]) -> Self:
         """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
         names = ("mean", "basis", "scale", "centres", "weights")
         mean, basis, scale, centres, weights = (tensors[name].astype(float) for name in names)
@@ -76,7 +74,7 @@ class KernelModel:
         if not fits:
             shapes = ", ".join(f"{name} {tensors[name].shape}" for name in names)
             raise ValueError(f"{shapes} for {len(template.vertices)} vertices")
-        return cls(template, mean, basis, GaussianProcess(scale, centres, weights), model_id)
+        return cls(template, mean, basis, GaussianProcess(scale, centres, weights))
 
     def tensors(self) -> dict[str, np.ndarray]:
         """See ShapeModel."""

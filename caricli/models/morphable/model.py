@@ -54,10 +54,10 @@ class MorphableModel(LinearModel):
 
     kind = "morphable"
 
-    def __init__(self, template: Template, bases: ShapeBases, albedo: LinearBasis, model_id: str = "") -> None:
+    def __init__(self, template: Template, bases: ShapeBases, albedo: LinearBasis) -> None:
         """albedo: sRGB from 0 to 1."""
         both = np.concatenate([bases.identity, bases.expression])
-        super().__init__(template, LinearBasis(bases.mean, both), model_id, bases.noise)
+        super().__init__(template, LinearBasis(bases.mean, both), bases.noise)
         self.identity = bases.identity
         self.expression = bases.expression
         self.noise = bases.noise
@@ -84,7 +84,7 @@ class MorphableModel(LinearModel):
         return cls(template, bases, LinearBasis(at_vertices(albedo_mean), at_vertices(albedo)))
 
     @classmethod
-    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray]) -> Self:
         """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
         values = {name: tensors[name].astype(float) for name in _DIMENSIONS}
         for name, value in values.items():
@@ -94,7 +94,7 @@ class MorphableModel(LinearModel):
         if noise <= 0:
             raise ValueError(f"noise {noise}")
         bases = ShapeBases(values["mean"], values["identity"], values["expression"], noise)
-        return cls(template, bases, LinearBasis(values["albedo_mean"], values["albedo"]), model_id)
+        return cls(template, bases, LinearBasis(values["albedo_mean"], values["albedo"]))
 
     def tensors(self) -> dict[str, np.ndarray]:
         """See ShapeModel."""

@@ -17,9 +17,9 @@ class PcaModel(LinearModel):
 
     kind = "pca"
 
-    def __init__(self, template: Template, mean: np.ndarray, basis: np.ndarray, model_id: str = "") -> None:
+    def __init__(self, template: Template, mean: np.ndarray, basis: np.ndarray) -> None:
         """mean: (V, 3) metres. basis: (D, V, 3) metres at one standard deviation."""
-        super().__init__(template, LinearBasis(mean, basis), model_id)
+        super().__init__(template, LinearBasis(mean, basis))
 
     @classmethod
     def train(cls, template: Template, shapes: np.ndarray, config: PcaConfig) -> Self:
@@ -29,13 +29,13 @@ class PcaModel(LinearModel):
         return cls(template, mean.reshape(-1, 3).astype(float), basis.reshape(len(basis), -1, 3).astype(float))
 
     @classmethod
-    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray], model_id: str) -> Self:
+    def from_tensors(cls, template: Template, tensors: Mapping[str, np.ndarray]) -> Self:
         """Rebuild from ``tensors()``. Raises ValueError when they do not fit each other and the template."""
         mean = tensors["mean"].astype(float)
         basis = tensors["basis"].astype(float)
         if mean.shape != template.vertices.shape or basis.shape[1:] != mean.shape:
             raise ValueError(f"mean {mean.shape}, basis {basis.shape} for {len(template.vertices)} vertices")
-        return cls(template, mean, basis, model_id)
+        return cls(template, mean, basis)
 
     def tensors(self) -> dict[str, np.ndarray]:
         """See ShapeModel."""
