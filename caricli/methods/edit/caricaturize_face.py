@@ -11,7 +11,7 @@ from caricli.geometry.alignment.similarity import similarity
 from caricli.geometry.repair.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_index
-from caricli.methods.faces.encode_face import EncodedFace, encode_face
+from caricli.methods.faces.encode_face import EncodedFace, encode_face, require_encoded
 from caricli.methods.faces.face_figures import face_figures
 from caricli.methods.faces.nearest_identity import likeness
 from caricli.models.intrinsic.model import feature_weights
@@ -71,6 +71,7 @@ def caricaturize_face(
     mode: of MODES. directions: Directions of the model with the label "Caricature", for "direction".
     Returns EncodedFace. Raises InputError.
     """
+    require_encoded(face, model)
     if mode not in MODES:
         raise InputError(f"expected a mode of {', '.join(MODES)}, found {mode!r}")
     if not 0 <= strength < np.inf:

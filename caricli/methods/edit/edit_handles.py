@@ -11,7 +11,7 @@ from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.geometry.repair.untangle import untangle
 from caricli.methods.edit.handle_points import Handles
-from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
+from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face, require_encoded
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 
@@ -101,8 +101,9 @@ def edit_handles(
 
     face: EncodedFace of the model. model: ShapeModel. handles: Handles of its mesh. settings: HandleSettings.
     avoid: go only as far as nothing new goes through the surface.
-    Returns HandleEdit.
+    Returns HandleEdit. Raises InputError for a face of another model.
     """
+    require_encoded(face, model)
     gradients = model.template.gradients
     solver = _Solver(face, model, handles, settings)
     share = 1.0

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from caricli.errors import InputError
-from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
+from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face, require_encoded
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Directions
 
@@ -59,8 +59,11 @@ def edit_semantic(face: EncodedFace, model: ShapeModel, edit: SemanticEdit) -> E
     and residual say nothing of this, so that the opposite edit leads back to the face, mended if it was not sound.
 
     face: EncodedFace of the model. model: ShapeModel. edit: SemanticEdit by directions of the model.
-    Returns EncodedFace. Raises InputError.
+    Returns EncodedFace. Raises InputError for a face or directions of another model, and as ``SemanticEdit.step``.
     """
+    require_encoded(face, model)
+    if edit.directions.model_id not in ("", model.model_id):
+        raise InputError("expected directions in the latents of this model, found those of another model")
     step = edit.step()
     if not step.any():
         return face

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
+from caricli.errors import InputError
 from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
@@ -77,6 +78,14 @@ def _place(vertices: np.ndarray, model: ShapeModel) -> np.ndarray:
         return np.zeros(3)
     there, back = (model.prior.rms(model.encode(vertices - place)) for place in (0, away))
     return away if back <= there * (1 + _SAME) else np.zeros(3)
+
+
+def require_encoded(face: Face, model: ShapeModel) -> None:
+    """Raise InputError for a Face that ``encode_face`` did not give, or that it gave for another model."""
+    if not isinstance(face, EncodedFace):
+        raise InputError("expected a face that encode_face gave for this model, found one that was not encoded")
+    if face.model_id != model.model_id:
+        raise InputError("expected a face that encode_face gave for this model, found one of another model")
 
 
 def decode_face(face: Face, model: ShapeModel, shift: np.ndarray | float = 0.0) -> Face:

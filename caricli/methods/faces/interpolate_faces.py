@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face
+from caricli.methods.faces.encode_face import EncodedFace, decode_face, encode_face, require_encoded
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 
@@ -19,8 +19,10 @@ def interpolate_faces(first: EncodedFace, second: EncodedFace, model: ShapeModel
     one that wears pictures or hair. Teeth grow and shrink on the way.
 
     first, second: EncodedFace of the model. model: ShapeModel. steps: number of faces, both ends included, at least 2.
-    Yields an EncodedFace for every step.
+    Yields an EncodedFace for every step. Raises InputError for faces of another model.
     """
+    for end in (first, second):
+        require_encoded(end, model)
     yield _unseen(first)
     for weight in np.linspace(0, 1, steps)[1:-1]:
         latent = (1 - weight) * first.latent + weight * second.latent

@@ -24,7 +24,7 @@ def model(request):
 def directions(model):
     normal, one = np.random.default_rng(0).normal(size=(1, len(model.prior.mean))), np.ones(1)
     normal /= np.linalg.norm(normal)
-    return Directions(("Caricature",), normal, 0 * normal, one, one, 1, one, one, "id", {}, normal[:0])
+    return Directions(("Caricature",), normal, 0 * normal, one, one, 1, one, one, "", {}, normal[:0])
 
 
 def test_the_direction_is_measured_in_its_own_steps(model, directions, strangers):
@@ -100,7 +100,7 @@ def test_a_thin_neck_does_not_become_a_thread(pca):
 
 def test_directions_without_caricatures_are_refused(pca, strangers):
     normal, one = np.eye(len(pca.prior.mean))[:1], np.ones(1)
-    others = Directions(("Smile",), normal, normal, one, one, 1, one, one, "id", {}, normal[:0])
+    others = Directions(("Smile",), normal, normal, one, one, 1, one, one, "", {}, normal[:0])
     face = encoded(strangers[0], pca)
     assert exaggeration(face, pca, others).caricature is None
     with pytest.raises(InputError, match="'Caricature': not among the 1 known"):

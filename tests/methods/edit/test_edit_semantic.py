@@ -1,4 +1,5 @@
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ def directions_of(normals, gradients=None):
     zeros = np.zeros(len(normals))
     names = ("BigNose", "Smile", "Old")[: len(normals)]
     gradients = np.zeros_like(normals) if gradients is None else np.asarray(gradients, float)
-    return Directions(names, normals, gradients, zeros, zeros, 1, zeros, zeros, "id", {}, normals[:0])
+    return Directions(names, normals, gradients, zeros, zeros, 1, zeros, zeros, "", {}, normals[:0])
 
 
 def encoded(vertices, model):
@@ -87,6 +88,18 @@ def test_a_torn_face_comes_back_mended(pca, directions, strangers):
     edit = SemanticEdit(directions, {"Smile": 0.1})
     back = edit_semantic(edit_semantic(face, pca, edit), pca, edit.scaled(-1))
     assert np.abs(back.vertices - mended).max() < 1e-7
+
+
+def test_nothing_of_another_model_is_edited(pca, kernel, directions, strangers):
+    face = encoded(strangers[1], pca)
+    edit = SemanticEdit(directions, {"Smile": 1.0})
+    with pytest.raises(InputError, match="gave for this model, found one of another"):
+        edit_semantic(face, kernel, edit)
+    with pytest.raises(InputError, match="found one that was not encoded"):
+        edit_semantic(Face(face.mesh, latent=face.latent, model_id=pca.model_id), pca, edit)
+    foreign = SemanticEdit(replace(directions, model_id=kernel.model_id), {"Smile": 1.0})
+    with pytest.raises(InputError, match="directions in the latents of this model, found those of another"):
+        edit_semantic(face, pca, foreign)
 
 
 def test_what_is_kept_is_not_in_the_direction():

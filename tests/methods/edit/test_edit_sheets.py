@@ -64,7 +64,7 @@ def test_a_strip_of_handles_goes_as_far_as_was_tried(face, edit, drawing):
 
 def test_labels_before_and_after_or_from_minus_to_plus(pca, face, drawing):
     normal, one = np.eye(len(pca.prior.mean))[:1], np.ones(1)
-    directions = Directions(("Smile",), normal, 0 * normal, one, one, 1, one, one, "id", {}, normal[:0])
+    directions = Directions(("Smile",), normal, 0 * normal, one, one, 1, one, one, "", {}, normal[:0])
     edit = SemanticEdit(directions, {"Smile": 2.0})
     pair, strip = semantic_strip(face, edit, drawing), semantic_strip(face, edit, drawing, 5)
     assert 2 * pair.shape[1] < strip.shape[1] < 3 * pair.shape[1]
