@@ -35,7 +35,7 @@ def command(ctx, faces, out, out_dir, model, overwrite):
       caricli encode scans/*.obj --out-dir encoded --model pca
     """
     from caricli.commands.shared.batch import named_jobs, run_batch
-    from caricli.methods.faces.encode_face import encode_face
+    from caricli.methods.faces.encode_face import encode_face, size_note
     from caricli.store.faces import load_worn_face
     from caricli.store.models import DEFAULT_LATENT, load_model
 
@@ -46,13 +46,15 @@ def command(ctx, faces, out, out_dir, model, overwrite):
         paths = [target, target.with_suffix(".json"), *picture_files(target.with_suffix(".png"))]
         with staged(*paths, overwrite=overwrite, inputs=(*faces, model), optional=picture_outputs(target)) as files:
             code = encode_face(load_worn_face(path, shape_model).without_latent(), shape_model)
+            size = size_note(code, shape_model)
             write_face(files[0], code)
             error = {"millimetres": code.millimetres, "percent": code.percent}
             figures = {"model_id": code.model_id, "shape_error": error, "prior_rms": code.prior_rms}
             write_json(files[1], provenance("encode", [path], **figures))
             for png in files[2:]:
                 write_png(png, _sheet(code, shape_model))
-        return f"{target}: shape error {code.millimetres:.3f} mm ({code.percent:.3f} %), prior {code.prior_rms:.2f}"
+        error = f"{code.millimetres:.3f} mm ({code.percent:.3f} %)"
+        return f"{target}: shape error {error}, prior {code.prior_rms:.2f}{f'; {size}' if size else ''}"
 
     run_batch(ctx, jobs, encode, "faces")
 

@@ -14,7 +14,7 @@ from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.meshes.obj import write_obj
 from caricli.io.worn import PictureNames
-from caricli.methods.faces.encode_face import EncodedFace, encode_face
+from caricli.methods.faces.encode_face import EncodedFace, encode_face, size_note
 from caricli.models.morphable.model import MorphableModel
 from caricli.models.shape_model import ShapeModel
 from caricli.store.models import DEFAULT_ELASTIC, bundled_kind, load_model, model_name
@@ -126,7 +126,9 @@ def load_latent_face(path: Path, model: ShapeModel, anew: bool = False) -> tuple
     if face.latent is None or face.model_id is None or foreign:
         code = encode_face(face, model)
         error = f"shape error {code.millimetres:.2f} mm ({code.percent:.2f} %)"
+        size = size_note(face, model)
         note = f"{shown(path)}: had no latent; encoded by {model_name(model.model_id)}, {error}"
+        note += f"; {size}" if size else ""
         # From one bundled model to another nothing is lost: what the new latent cannot express stays beside it.
         return code, None if foreign else note
     if face.model_id != model.model_id:

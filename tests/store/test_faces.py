@@ -170,6 +170,13 @@ def test_a_latent_is_taken_or_found(path, shape, model, morphable, tmp_path):
         load_latent_face(path, morphable)
 
 
+def test_a_head_of_another_size_is_told(shape, model, tmp_path):
+    for times, told in ((0.5, True), (0.95, False), (2.0, True)):
+        write_face(tmp_path / "bare.npz", Face(shape.with_vertices(times * shape.vertices)))
+        note = load_latent_face(tmp_path / "bare.npz", model)[1]
+        assert ("times as high as heads of the model" in note) == told
+
+
 def test_the_identity_of_a_face_or_of_the_mean_one(path, morphable):
     mean, note = load_identity(None, morphable)
     assert mean.shape == (len(morphable.identity),) and not mean.any() and note is None

@@ -12,6 +12,9 @@ from caricli.structures import Face
 _MOVED = 0.08
 """Of the template's height: how far the mean vertex of a face may be from the template's; of people it is by 0.06."""
 
+_SIZES = (0.7, 1.4)
+"""Of the template's height: faces that drawings and people have are between 0.85 and 1.1 times as high."""
+
 _SAME = 1e-6
 """Metres: a residual whose shape is as near as this is the one that was kept with the latent."""
 
@@ -78,6 +81,18 @@ def _place(vertices: np.ndarray, model: ShapeModel) -> np.ndarray:
         return np.zeros(3)
     there, back = (model.prior.rms(model.encode(vertices - place)) for place in (0, away))
     return away if back <= there * (1 + _SAME) else np.zeros(3)
+
+
+def size_note(face: Face, model: ShapeModel) -> str | None:
+    """A line about a Face of another size than the model's, which is read as another shape; None for the usual ones."""
+    height = model.template.height
+    times = face.mesh.height / height
+    if _SIZES[0] <= times <= _SIZES[1]:
+        return None
+    return (
+        f"{times:.2g} times as high as heads of the model, which is read as a shape, and edits come out otherwise: "
+        f"make it about {height:.2g} m high first"
+    )
 
 
 def require_encoded(face: Face, model: ShapeModel) -> None:
