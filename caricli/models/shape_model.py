@@ -43,7 +43,7 @@ class ShapeModel(Protocol):
         """The same positions and their derivatives (K, 3, D) by the latent."""
 
     def encode(self, vertices: np.ndarray) -> np.ndarray:
-        """Vertices (..., V, 3) to the latents (..., D) whose shapes are nearest."""
+        """Vertices (..., V, 3) to the latents (..., D) that are nearest by what the model is fitted to."""
 
     def tensors(self) -> dict[str, np.ndarray]:
         """Everything beyond the template that a checkpoint must hold."""
