@@ -1,7 +1,7 @@
 """Sketches as SVG."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -13,9 +13,10 @@ from caricli.io.files import read_bytes, text_start
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
 from caricli.io.sketches.svg_brush import Brush
+from caricli.io.sketches.svg_clip import Clipper, Shape
 from caricli.io.sketches.svg_path import outline_points
-from caricli.io.sketches.svg_style import Style, style_rules
-from caricli.io.sketches.svg_view import Window, frame, lengths_of, view_box
+from caricli.io.sketches.svg_style import WHITE, Paper, Style, style_rules
+from caricli.io.sketches.svg_view import Window, frame, lengths_of, origin_of, view_box
 from caricli.limits import MAX_COORDINATE, MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, MAX_SVG_BYTES
 from caricli.structures.sketch import CANVAS, CURVES, Sketch, Stroke, StrokeKind
 
@@ -27,6 +28,7 @@ _LARGEST = 4096.0
 
 _GROUPS = {"svg", "g", "a", "switch", "symbol"}
 _LINES = {"path", "line", "polyline", "polygon", "rect", "circle", "ellipse"}
+_URL = re.compile(r"\s*url\(\s*[\"']?#([^\"')]+)[\"']?\s*\)\s*")
 _WORD = re.compile(r"[^\W\d_]+(?:_[^\W\d_]+)*")
 _ATTRIBUTES = ("id", "class", "{http://www.inkscape.org/namespaces/inkscape}label", "data-name")
 """Where a drawing program puts the name that somebody gave to a layer or a line."""
@@ -37,13 +39,14 @@ _NOSE = "nose"
 @dataclass(frozen=True)
 class _Place:
     """What an element inherits: a matrix (2, 3) to the canvas, the size of the drawing that it lies in, in units of it,
-    or None, style, kind and curve, and how deep it lies."""
+    or None, style, kind and curve, what all lines are cut to the inside of, and how deep it lies."""
 
     matrix: np.ndarray
     window: Window | None
     style: Style = Style()
     kind: StrokeKind | None = None
     curve: str | None = None
+    clips: tuple[Sequence[Shape], ...] = ()
     depth: int = 0
 
     def framed(self, element: Element, size: Element) -> "_Place":
@@ -62,7 +65,9 @@ def read_svg(path: str | Path) -> Sketch:
 
     A class, an id or a layer's name that is a kind (silhouette, feature, wrinkle) or a curve of ``CURVES`` says what a
     stroke, or all in a group, is. What is filled, long and thin is what a brush drew: the line in its middle counts.
-    Where there is any line, what else is only filled is left out: it is a background.
+    Where there is any line, what else is only filled is left out: it is a background, and one that covers the canvas is
+    the paper, else white, on which a stroke of its colour is no line. What lies beside the canvas altogether is left
+    out, and lines are cut to the shapes of a ``clip-path``; one in units of an object's box is passed over.
     Raises InputError when it is no SVG, is damaged or too large, or holds scripts, entities or references to elsewhere.
     """
     data = read_bytes(path, MAX_SVG_BYTES, KIND)
@@ -146,22 +151,26 @@ class _Reader:
         self.visits = 0
         self.points = 0
         self.brush = Brush()
+        self.clipper = Clipper()
+        self.clips: dict[tuple[str, bytes], list[Shape]] = {}
+        self.size: tuple[int, int] | None = None
+        self.paper: Paper = WHITE
 
     def sketch(self) -> Sketch:
         """The sketch of all visible lines."""
         box = view_box(self.root)
         matrix = np.array([[1.0, 0, 0], [0, 1, 0]])
-        size = None
         if box is not None:
-            size, matrix = _canvas(*box)
+            self.size, matrix = _canvas(*box)
         drawn = list(self._walk(self.root, _Place(matrix, None if box is None else (box[2], box[3]))))
         stroked = [stroke for stroke, has_stroke in drawn if has_stroke]
         strokes = stroked or [stroke for stroke, _ in drawn]
         if not strokes and any(_name(element) == "image" for element in self.root.iter()):
             raise InputError(f"expected {KIND}, found a picture alone: give it as PNG or JPEG")
-        if size is None:
+        if self.size is None:
             size, strokes = _around(strokes)
-        return Sketch(tuple(strokes), size)
+            return Sketch(tuple(strokes), size)
+        return Sketch(tuple(stroke for stroke in strokes if _meets(stroke, self.size)), self.size)
 
     def _walk(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
         self.visits += 1
@@ -173,8 +182,10 @@ class _Reader:
         style = place.style.within(element, self.rules)
         if style.hidden:
             return
-        matrix = _within(place.matrix, style.transform)
-        inner = _Place(matrix, place.window, style, *_meaning(element, place), depth=place.depth + 1)
+        matrix = _within(place, style)
+        inner = _Place(matrix, place.window, style, *_meaning(element, place), place.clips, place.depth + 1)
+        if style.clip:
+            inner = replace(inner, clips=(*place.clips, *self._clips(_URL.sub(r"\1", style.clip), inner)))
         if name == "svg" and element is not self.root:
             inner = inner.framed(element, element)
         if name == "use":
@@ -197,16 +208,56 @@ class _Reader:
         yield from self._walk(target, place.framed(target, use) if _name(target) == "symbol" else place)
 
     def _lines(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
+        lines, scale = self._shape(element, place)
+        style = place.style
+        stroked = style.stroked(self.paper)
+        marks = self.brush.lines(lines, style.even_odd) if style.inked(self.paper) and not stroked else []
+        strokes = [
+            Stroke(mark.points, place.kind or StrokeKind.UNKNOWN, place.curve, width=_bounded(mark.width))
+            for mark in marks
+        ]
+        if not strokes and not style.unseen(self.paper):
+            strokes = [_stroke(element, line, place, scale) for line in lines]
+        for stroke in strokes:
+            parts = [stroke.points]
+            for clip in place.clips:
+                parts = [part for each in parts for part in self.clipper.cut(each, clip)]
+            for part in parts:
+                yield stroke if part is stroke.points else stroke.moved_to(part), bool(marks) or stroked
+        if self.size is not None and len(lines) == 1 and _covers(lines[0], self.size):
+            self.paper = style.covered(self.paper)
+
+    def _clips(self, key: str, place: _Place) -> list[list[Shape]]:
+        """The clipPath of an id, which is none where it is of no such element, or in units of an object's box. place:
+        of the element that it clips."""
+        clip = self.by_id.get(key)
+        if clip is None or _name(clip) != "clipPath" or clip.get("clipPathUnits") == "objectBoundingBox":
+            return []
+        there = (key, place.matrix.tobytes())
+        if there not in self.clips:
+            style = Style().within(clip, self.rules)
+            inner = replace(place, matrix=_within(place, style), style=style)
+            self.clips[there] = list(self._clip(clip, inner))
+        return [self.clips[there]]
+
+    def _clip(self, clip: Element, place: _Place) -> Iterator[Shape]:
+        """The shapes of a clipPath. place: of what is in it."""
+        for child in clip:
+            style = place.style.within(child, self.rules)
+            inner = replace(place, matrix=_within(place, style))
+            if _name(child) == "use":
+                aside = np.column_stack([np.eye(2), lengths_of(child, ("x", "y"), place.window)])
+                child = self.by_id.get(_target(child), child)
+                inner = replace(inner, matrix=_composed(inner.matrix, aside))
+                inner = replace(inner, matrix=_within(inner, style.within(child, self.rules)))
+            if _name(child) in _LINES - {"line"}:
+                yield self._shape(child, inner)[0], style.clip_even_odd
+
+    def _shape(self, element: Element, place: _Place) -> tuple[list[np.ndarray], float]:
+        """Lines (N, 2) of a shape, pixels of the canvas, and pixels of a unit."""
         with np.errstate(all="ignore"):
             scale = float(np.sqrt(abs(np.linalg.det(place.matrix[:, :2]))))
-            lines = list(self._outlines(element, place, scale))
-        style = place.style
-        marks = self.brush.lines(lines, style.even_odd) if style.inked and not style.stroked else []
-        for mark in marks:
-            width = float(np.clip(mark.width, 1e-3, MAX_SKETCH_SIDE))
-            yield Stroke(mark.points, place.kind or StrokeKind.UNKNOWN, place.curve, width=width), True
-        if not marks:
-            yield from ((_stroke(element, line, place, scale), style.stroked) for line in lines)
+            return list(self._outlines(element, place, scale)), scale
 
     def _outlines(self, element: Element, place: _Place, scale: float) -> Iterator[np.ndarray]:
         """Lines (N, 2) of a shape, pixels of the canvas."""
@@ -261,10 +312,11 @@ def _target(element: Element) -> str:
     return href[1:]
 
 
-def _within(matrix: np.ndarray, transform: str | None) -> np.ndarray:
-    """The matrix (2, 3) of an element with a transform."""
-    if not transform:
-        return matrix
+def _within(place: _Place, style: Style) -> np.ndarray:
+    """The matrix (2, 3) of an element of a style with a transform, in a place."""
+    transform = style.transform
+    if not transform or transform == "none":
+        return place.matrix
     from svgelements import Matrix
 
     try:
@@ -274,12 +326,31 @@ def _within(matrix: np.ndarray, transform: str | None) -> np.ndarray:
         values = np.full((2, 3), np.nan)
     if not np.isfinite(values).all():
         raise InputError(f"transform: expected one with finite numbers, found {shown(transform, 40)!r}")
-    return _composed(matrix, values)
+    if style.origin:
+        origin = origin_of(style.origin, place.window)
+        values[:, 2] += origin - values[:, :2] @ origin
+    return _composed(place.matrix, values)
 
 
 def _composed(matrix: np.ndarray, own: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):
         return np.column_stack([matrix[:, :2] @ own[:, :2], matrix[:, :2] @ own[:, 2] + matrix[:, 2]])
+
+
+def _meets(stroke: Stroke, size: tuple[int, int]) -> bool:
+    """Whether the box of a stroke meets the canvas of a size."""
+    return bool((stroke.points.max(0) >= -0.5).all() and (stroke.points.min(0) <= np.array(size) - 0.5).all())
+
+
+def _covers(line: np.ndarray, size: tuple[int, int]) -> bool:
+    """Whether an outline (N, 2) is an upright rectangle over the whole canvas of a size, but for a hundredth."""
+    rest = 0.01 * max(size)
+    upright = len(line) == 5 and (np.diff(line, axis=0) == 0).any(axis=1).all()
+    return bool(upright and (line.min(0) <= rest).all() and (line.max(0) >= np.array(size) - rest).all())
+
+
+def _bounded(width: float) -> float:
+    return float(np.clip(width, 1e-3, MAX_SKETCH_SIDE))
 
 
 def _canvas(left: float, top: float, width: float, height: float) -> tuple[tuple[int, int], np.ndarray]:

@@ -11,11 +11,18 @@ _SELECTOR = re.compile(r"([.#][\w-]+|(?:^|(?<=[\s>+~]))(?:[\w-]+|\*))$")
 _COMMENT = re.compile(r"/\*.*?(?:\*/|\Z)", re.DOTALL)
 _KEYS = (
     *("stroke", "stroke-width", "stroke-opacity", "fill", "fill-rule", "fill-opacity", "opacity"),
-    *("display", "visibility", "transform"),
+    *("display", "visibility", "transform", "transform-origin", "transform-box", "clip-path", "clip-rule"),
 )
+_OWN_BOXES = {"fill-box", "stroke-box", "content-box", "border-box"}
 _LARGEST = 1e9
-_PAPER = 0.8
-"""Luma, 0 to 1, of what is no ink, at least."""
+_FAINT = 0.2
+"""Luma, 0 to 1, by which a fill that is ink differs from the paper, at least."""
+_SAME = 0.1
+"""Of the range of red, green or blue: a stroke that differs less from the paper in each cannot be seen."""
+
+Paper = tuple[float, float, float] | None
+"""Red, green and blue, 0 to 1, of what is drawn on; None where it is no single colour."""
+WHITE: Paper = (1.0, 1.0, 1.0)
 
 Rules = Mapping[str, Mapping[str, tuple[int, str]]]
 """By selector and name: how many rules stand before it in the sheet, and a value."""
@@ -65,29 +72,47 @@ def _declarations(text: str) -> dict[str, str]:
 class Style:
     """How a line is drawn.
 
-    line: with a stroke. width: of it, in units of the drawing, or None. filled: with what is no paper, which is bright.
-    clear: whether a stroke, and what fills, cannot be seen. hidden: nor anything in it. visible: what is in it may be
-    where it is not. even_odd: by which rule it is filled. transform: of this element alone, or None.
+    stroke, fill: what it is drawn and filled with, as CSS has it. width: of the stroke, in units of the drawing, or
+    None. clear: whether a stroke, and what fills, cannot be seen. hidden: nor anything in it. visible: what is in it
+    may be where it is not. even_odd: by which rule it is filled. clip_even_odd: and by which it clips. transform,
+    origin, clip: of this element alone, as CSS has them, or None; the origin is the box where that is the element's.
     """
 
-    line: bool = False
+    stroke: str = "none"
     width: float | None = None
-    filled: bool = True
+    fill: str = "black"
     clear: tuple[bool, bool] = (False, False)
     hidden: bool = False
     visible: bool = True
     even_odd: bool = False
+    clip_even_odd: bool = False
     transform: str | None = None
+    origin: str | None = None
+    clip: str | None = None
 
-    @property
-    def stroked(self) -> bool:
-        """Whether there is a stroke to be seen."""
-        return self.line and self.width != 0 and not self.clear[0]
+    def stroked(self, paper: Paper = WHITE) -> bool:
+        """Whether there is a stroke to be seen on a paper."""
+        if self.width == 0 or self.clear[0] or _is_clear(self.stroke):
+            return False
+        colour = _colour(self.stroke)
+        if colour is None or paper is None:
+            return True
+        return max(abs(own - other) for own, other in zip(colour, paper, strict=True)) >= _SAME
 
-    @property
-    def inked(self) -> bool:
-        """Whether it is filled with what is no paper."""
-        return self.filled and not self.clear[1]
+    def inked(self, paper: Paper = WHITE) -> bool:
+        """Whether it is filled with what stands out from a paper; gradients and patterns do."""
+        if self.clear[1] or _is_clear(self.fill):
+            return False
+        colour = _colour(self.fill)
+        return colour is None or paper is None or abs(_luma(colour) - _luma(paper)) > _FAINT
+
+    def unseen(self, paper: Paper = WHITE) -> bool:
+        """Whether there is a stroke, but neither it nor what fills can be seen on a paper."""
+        return not (_is_clear(self.stroke) or self.stroked(paper) or self.inked(paper))
+
+    def covered(self, paper: Paper) -> Paper:
+        """The paper where something so filled lies over a paper."""
+        return paper if self.clear[1] or _is_clear(self.fill) else _colour(self.fill)
 
     def within(self, element: Element, rules: Rules) -> "Style":
         """The style of an element in one of this style. rules: as ``style_rules`` gives them."""
@@ -97,20 +122,21 @@ class Style:
             values |= _told(selectors, rules)
         values |= _declarations(_COMMENT.sub("", element.get("style") or ""))
         values |= {key: values[f"{key}!"] for key in _KEYS if f"{key}!" in values}
-        stroke = values.get("stroke", "inherit")
-        width = length_in_pixels(values.get("stroke-width"))
-        fill = values.get("fill", "inherit")
-        rule = values.get("fill-rule", "inherit")
-        seen = values.get("visibility", "inherit")
+        told = {key: value for key, value in values.items() if value != "inherit"}
+        width = length_in_pixels(told.get("stroke-width"))
+        clear = [_is_nothing(told, f"{what}-opacity", self.clear[k]) for k, what in enumerate(("stroke", "fill"))]
         return Style(
-            self.line if stroke == "inherit" else not _is_clear(stroke),
-            self.width if width is None else width,
-            self.filled if fill == "inherit" else _is_ink(fill),
-            (_is_nothing(values, "stroke-opacity", self.clear[0]), _is_nothing(values, "fill-opacity", self.clear[1])),
-            self.hidden or values.get("display") == "none" or _is_nothing(values, "opacity", False),
-            self.visible if seen == "inherit" else seen == "visible",
-            self.even_odd if rule == "inherit" else rule == "evenodd",
-            values.get("transform"),
+            stroke=told.get("stroke", self.stroke),
+            width=self.width if width is None else width,
+            fill=told.get("fill", self.fill),
+            clear=(clear[0], clear[1]),
+            hidden=self.hidden or told.get("display") == "none" or _is_nothing(told, "opacity", False),
+            visible=told["visibility"] == "visible" if "visibility" in told else self.visible,
+            even_odd=told["fill-rule"] == "evenodd" if "fill-rule" in told else self.even_odd,
+            clip_even_odd=told["clip-rule"] == "evenodd" if "clip-rule" in told else self.clip_even_odd,
+            transform=told.get("transform"),
+            origin=box if (box := told.get("transform-box")) in _OWN_BOXES else told.get("transform-origin"),
+            clip=told.get("clip-path"),
         )
 
 
@@ -132,13 +158,19 @@ def _is_clear(paint: str) -> bool:
         return False
 
 
-def _is_ink(fill: str) -> bool:
-    """Whether a fill stands out from white paper; gradients and patterns do."""
+def _colour(paint: str) -> Paper:
+    """A colour, or None for what is none, such as a gradient or a pattern."""
     from svgelements import Color
 
-    if _is_clear(fill):
-        return False
+    if paint.startswith("url("):
+        return None
     try:
-        return float(Color(fill[:64]).luma) < _PAPER
+        colour = Color(paint[:64])
+        return colour.red / 255, colour.green / 255, colour.blue / 255
     except (AttributeError, ValueError, TypeError, IndexError):
-        return True
+        return None
+
+
+def _luma(colour: tuple[float, float, float]) -> float:
+    red, green, blue = colour
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue

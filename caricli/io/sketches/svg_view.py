@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from caricli.errors import InputError
+from caricli.errors import InputError, shown
 from caricli.io.sketches.svg_style import length_in_pixels
 
 _SMALLEST = 1e-9
@@ -15,6 +15,8 @@ _SMALLEST = 1e-9
 _ALIGNED = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 
 _SIDES = ("width", "height")
+_ACROSS = {"left": "0%", "right": "100%"}
+_DOWN = {"top": "0%", "bottom": "100%"}
 _UPRIGHT = {"y", "y1", "y2", "cy", "ry", "height"}
 """Attributes whose percents are of the height of what is around."""
 
@@ -74,6 +76,27 @@ def frame(element: Element, sized: Element, window: Window | None) -> tuple[np.n
             aside += free * ([_ALIGNED[word] for word in match.groups()] if match else [0.5, 0.5])
             zooms[:] = zoom
         return np.column_stack([np.diag(zooms), aside - zooms * box[:2]]), (box[2], box[3])
+
+
+def origin_of(text: str, window: Window | None) -> np.ndarray:
+    """The point (2,) that a ``transform-origin`` names: lengths, percentages of the drawing or its sides, x first, or
+    sides in any order.
+
+    window: size of the drawing, in its units, or None. Raises InputError for another.
+    """
+    words = text.lower().split()[:3]
+    if len(words) == 1:
+        words = ["50%", *words] if words[0] in _DOWN else [*words, "50%"]
+    if len(words) > 1 and (words[0] in _DOWN or words[1] in _ACROSS):
+        words[:2] = [words[1], words[0]]
+    sides = window or (None, None)
+    shares = zip(words, (_ACROSS, _DOWN), sides, strict=False)
+    place = [_length(each.get(word, "50%" if word == "center" else word), side) for word, each, side in shares]
+    if len(place) != 2 or None in place:
+        raise InputError(
+            f"transform-origin: expected lengths, or percentages or sides of the drawing, found {shown(text, 40)!r}"
+        )
+    return np.array(place, np.float64)
 
 
 def _length(text: str | None, around: float | None) -> float | None:

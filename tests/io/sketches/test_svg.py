@@ -23,8 +23,8 @@ def points(folder, body, **options):
 def test_what_is_written_comes_back(tmp_path):
     strokes = (
         Stroke(np.array([[1.25, 2], [3, 4], [1.25, 2]]), StrokeKind.FEATURE, "nose", np.array([0, 0.5, 1]), 2.5),
-        Stroke(np.array([[-7.0, 300]]), StrokeKind.WRINKLE),
-        Stroke(np.array([[1.0, 2], [3, 4.125]]), StrokeKind.SILHOUETTE, 'my "own" <curve>'),
+        Stroke(np.array([[7.0, 200]]), StrokeKind.WRINKLE),
+        Stroke(np.array([[1.0, 2], [-3, 4.125]]), StrokeKind.SILHOUETTE, 'my "own" <curve>'),
         Stroke(np.array([[1.0, 2], [3, 4]])),
     )
     write_sketch(tmp_path / "s.svg", Sketch(strokes, (300, 256)))
@@ -312,7 +312,7 @@ def test_a_symbol_lies_where_its_use_and_its_view_box_put_it(tmp_path):
         ('x="10" y="20" width="60" height="40" viewBox="0 0 30 20"', [[10, 20], [12, 24]]),
         ('width="60" height="140" viewBox="0 0 30 20"', [[0, 50], [2, 54]]),
         ('width="60" height="140" viewBox="0 0 30 20" preserveAspectRatio="xMidYMin"', [[0, 0], [2, 4]]),
-        ('width="60" height="80" viewBox="0 0 30 20" preserveAspectRatio="xMaxYMid slice"', [[-60, 0], [-56, 8]]),
+        ('x="99" width="60" height="80" viewBox="0 0 30 20" preserveAspectRatio="xMaxYMid slice"', [[39, 0], [43, 8]]),
         ('viewBox="0 0 30 20" height="50%"', [[0, 0], [10, 20]]),
         ('viewBox="0 0 0 20" x="1"', [[1, 0], [2, 2]]),
     ],
@@ -351,3 +351,108 @@ def test_a_style_says_a_transform_too(tmp_path):
     assert np.allclose(points(tmp_path, moved), [[10, 20], [5, 22]])
     sheet = "<style>.m{transform:rotate(90deg)}</style>"
     assert np.allclose(points(tmp_path, f'{sheet}<g class="m"><line x2="5"/></g>'), [[0, 0], [0, 5]])
+
+
+LIGHT = '<line stroke="{}" x2="4"/><line stroke="#f00" x2="9"/>'
+
+
+def ends(folder, body, **options):
+    """The first and the last point of every stroke, in units of the drawing."""
+    strokes = read(folder, body, **options).strokes
+    return [(stroke.points[[0, -1]] + 0.5).round(6).tolist() for stroke in strokes]
+
+
+@pytest.mark.parametrize("line", ["M-5 10 V300", "M310 10 h50", "M10 -9 L-9 -9", "M50 401 h9"])
+def test_what_lies_beside_the_canvas_is_no_line(tmp_path, line):
+    body = f'<g stroke="#000" fill="none"><path d="{line}"/><path d="M-5 10 H20"/></g>'
+    assert ends(tmp_path, body) == [[[-5, 10], [20, 10]]]
+    assert len(read(tmp_path, body, head="").strokes) == 2
+
+
+@pytest.mark.parametrize(
+    ("behind", "paint", "count"),
+    [
+        ("", "#fff", 1), ("", "#f8f8f8", 1), ("", "#ff0", 2), ("", "#ccc", 2), ("", "url(#gradient)", 2),
+        ('<rect width="300" height="400" fill="#222"/>', "#fff", 2),
+        ('<path d="M0 0H300V400H0z" fill="#222"/>', "#252525", 1),
+        ('<rect width="100%" height="100%" fill="url(#gradient)"/>', "#fff", 2),
+        ('<rect width="200" height="400" fill="#222"/>', "#fff", 1),
+        ('<rect width="300" height="400" fill="#222" fill-opacity="0"/>', "#fff", 1),
+    ],
+)  # fmt: skip
+def test_strokes_of_the_colour_of_the_paper_are_no_lines(tmp_path, behind, paint, count):
+    assert len(read(tmp_path, behind + LIGHT.format(paint)).strokes) == count
+
+
+def test_a_drawing_of_nothing_but_such_strokes_has_no_lines(tmp_path):
+    assert not read(tmp_path, '<path fill="none" stroke="#fff" d="M1 1 L9 9"/>').strokes
+
+
+def test_a_light_mark_of_a_brush_on_dark_paper_is_its_middle(tmp_path):
+    mark = f'<path fill="#fff" d="{outline(LINE, PRESSED)}"/>'
+    dark = '<rect width="300" height="400" fill="#222"/>'
+    assert [len(read(tmp_path, each + mark + LIGHT.format("#f00")).strokes) for each in ("", dark)] == [2, 3]
+
+
+ACROSS = '<g stroke="#000" fill="none" clip-path="url(#c)"><path d="M0 50 H100"/><path d="M0 300 H9"/></g>'
+
+
+@pytest.mark.parametrize(
+    ("clip", "parts"),
+    [
+        ('<rect x="20" y="20" width="60" height="60"/>', [(20, 80)]),
+        ('<rect width="200" height="350"/>', [(0, 100), (0, 9)]),
+        ('<rect x="20" y="20" width="10" height="60"/><circle cx="60" cy="50" r="10"/>', [(20, 30), (50, 70)]),
+        ('<path d="M10 10H90V90H10z M40 40H60V60H40z"/>', [(10, 90)]),
+        ('<path clip-rule="evenodd" d="M10 10H90V90H10z M40 40H60V60H40z"/>', [(10, 40), (60, 90)]),
+        ('<polygon transform="translate(10)" points="0,0 0,100 50,50"/>', [(10, 60)]),
+        ('<use href="#r" x="5"/>', [(15, 25)]),
+        ("", []),
+    ],
+)
+def test_lines_are_cut_to_what_clips_them(tmp_path, clip, parts):
+    rest = '<defs><rect id="r" x="10" width="10" height="100"/></defs><line stroke="#000" x1="1" x2="2"/>'
+    drawn = ends(tmp_path, f'{rest}<clipPath id="c">{clip}</clipPath>{ACROSS}')
+    assert [(first[0], last[0]) for first, last in drawn[1:]] == parts
+
+
+def test_clips_within_others_and_those_of_a_moved_group_cut_together(tmp_path):
+    clips = '<clipPath id="c"><rect width="50" height="99"/></clipPath><clipPath id="d"><rect width="9" height="9"/>'
+    body = f'{clips}</clipPath><g transform="translate(40)" style="clip-path: url(#d)"><g transform="scale(2 .1)">'
+    moved = ACROSS.replace("<g", '<g transform="translate(-5)"')
+    assert ends(tmp_path, body + moved + "</g></g>") == [[[40, 5], [49, 5]]]
+
+
+@pytest.mark.parametrize("told", ['clip-path="none"', 'clip-path="url(#b)"', 'clip-path="inset(9px)"'])
+def test_what_clips_in_another_way_is_passed_over(tmp_path, told):
+    box = '<clipPath id="b" clipPathUnits="objectBoundingBox"><rect width=".5" height=".5"/></clipPath>'
+    assert ends(tmp_path, f'{box}<line {told} x2="9"/>') == [[[0, 0], [9, 0]]]
+
+
+def test_more_to_clip_than_a_hand_draws_is_refused(tmp_path):
+    zigzag = " ".join(f"{k % 7},{k % 5}" for k in range(20_000))
+    body = f'<clipPath id="c"><polygon points="{zigzag}"/></clipPath><polyline clip-path="url(#c)" points="{zigzag}"/>'
+    with pytest.raises(InputError, match="clip-path: expected fewer or simpler lines"):
+        read(tmp_path, body)
+
+
+@pytest.mark.parametrize(
+    ("origin", "end"),
+    [
+        ("30px 40px", [15, 20]), ("50% 25%", [75, 50]), ("center 10", [75, 5]), ("top right", [150, 0]),
+        ("bottom", [75, 200]), ("10", [5, 100]), ("0 0", [0, 0]),
+    ],
+)  # fmt: skip
+def test_a_transform_is_about_its_origin(tmp_path, origin, end):
+    line = '<line x1="150" y1="200" x2="0" y2="0" {}/>'
+    for told in (f'transform="scale(.5)" transform-origin="{origin}"',
+                 f'style="transform: scale(.5); transform-origin: {origin}"'):  # fmt: skip
+        assert np.allclose(points(tmp_path, line.format(told))[-1], end)
+    assert np.allclose(points(tmp_path, line.format(f'transform-origin="{origin}"'))[-1], 0)
+
+
+@pytest.mark.parametrize("told", ["transform-origin: near far", "transform-origin: 1em 2em", "transform-box:fill-box"])
+def test_an_origin_that_says_nothing_here_is_refused(tmp_path, told):
+    with pytest.raises(InputError, match="transform-origin: expected lengths"):
+        read(tmp_path, f'<line x2="9" transform="scale(2)" style="{told}"/>')
+    assert len(read(tmp_path, f'<line x2="9" style="{told}"/>').strokes) == 1
