@@ -13,7 +13,7 @@ import numpy as np
 
 from caricli.commands.shared.dynamic_texture import load_network, network_option
 from caricli.commands.shared.head_options import head_options
-from caricli.commands.shared.notes import echo_notes, echo_result
+from caricli.commands.shared.notes import echo_notes, echo_numbering, echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
@@ -300,7 +300,9 @@ class TextureTask:
         if self.mask is not None:
             return load_mask(self.mask, size), None
         if self.parsing is not None:
-            return None, load_regions(self.parsing, size)
+            regions = load_regions(self.parsing, size, points)
+            echo_numbering(self.parsing)
+            return None, regions
         given = FaceReader(self.detector).given(picture, points)
         if given.elsewhere:
             other = "shows a face elsewhere, and none where this one is: was this fitted to another picture?"

@@ -29,12 +29,29 @@ CELEBAMASK_HQ = {
 def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
     """Read a label map.
 
-    path: a PNG of one byte a pixel, grey or with a palette; the JSON beside it, of the same stem, names its labels:
+    path: a PNG of one byte a pixel, grey or with a palette, or as painting programs write it, opaque and with red,
+    green and blue alike; the JSON beside it, of the same stem, names its labels:
     `{"schema": "caricli.parsing/1", "labels": {"skin": 1, ...}}`, or else the text of its own that is called by that
     schema. Without either they are CelebAMask-HQ's.
     Returns (H,W) uint8, and the numbers of the labels by their names.
     Raises InputError when it is no such picture, too large, or the legend is malformed.
     """
+    labels, own = _numbers_and_text(path)
+    beside = Path(path).with_suffix(".json")
+    if beside.is_file():
+        return labels, read_legend(beside)["labels"]
+    if own is None:
+        return labels, dict(CELEBAMASK_HQ)
+    return labels, _checked_legend(parse_json(str(own).encode(), path), path)["labels"]
+
+
+def names_labels(path: str | Path) -> bool:
+    """Whether a label map, or the JSON beside it, names its labels. Raises InputError when it is no such picture."""
+    return Path(path).with_suffix(".json").is_file() or _numbers_and_text(path)[1] is not None
+
+
+def _numbers_and_text(path: str | Path) -> tuple[np.ndarray, Any]:
+    """(H, W) uint8 of a label map, and the text in it that names its labels, or None."""
     from PIL import Image, UnidentifiedImageError
 
     data = read_bytes(path, MAX_IMAGE_BYTES, "a label map")
@@ -42,23 +59,30 @@ def read_parsing(path: str | Path) -> tuple[np.ndarray, dict[str, int]]:
         # Pillow warns of sizes above a cap of its own; the cap here is lower and refuses.
         with warnings.catch_warnings(action="ignore"), Image.open(io.BytesIO(data), formats=("PNG",)) as image:
             check_size(path, *image.size)
-            if image.mode not in ("L", "P", "1"):
+            labels = _numbers(image)
+            if labels is None:
                 kind = f"{image.width} x {image.height} of mode {image.mode}"
-                raise InputError(f"{shown(path)}: expected a PNG of label numbers, one byte a pixel, found {kind}")
-            labels = np.array(image).astype(np.uint8)
-            own = image.info.get(SCHEMA)
+                expected = "a PNG of label numbers, one byte a pixel or grey"
+                raise InputError(f"{shown(path)}: expected {expected}, found {kind}")
+            return labels, image.info.get(SCHEMA)
     except InputError:
         raise
     except UnidentifiedImageError:
         raise InputError(f"{shown(path)}: expected a PNG of label numbers, found another kind of file") from None
     except Exception as error:  # Pillow's decoders raise whatever they meet
         raise InputError(f"{shown(path)}: expected a PNG of label numbers, found none: {shown(error, 120)}") from error
-    beside = Path(path).with_suffix(".json")
-    if beside.is_file():
-        return labels, read_legend(beside)["labels"]
-    if own is None:
-        return labels, dict(CELEBAMASK_HQ)
-    return labels, _checked_legend(parse_json(str(own).encode(), path), path)["labels"]
+
+
+def _numbers(image: Any) -> np.ndarray | None:
+    """(H, W) uint8 of a PNG of numbers, or of opaque greys; None for another."""
+    if image.mode in ("L", "P", "1"):
+        return np.array(image).astype(np.uint8)
+    if image.mode not in ("RGB", "RGBA", "LA"):
+        return None
+    pixels = np.array(image)
+    is_opaque = not image.mode.endswith("A") or (pixels[..., -1] == 255).all()
+    colours = pixels[..., :3] if image.mode.startswith("RGB") else pixels[..., :1]
+    return colours[..., 0].copy() if is_opaque and (colours == colours[..., :1]).all() else None
 
 
 def write_parsing(path: str | Path, labels: np.ndarray, names: type[IntEnum] | None = None) -> None:

@@ -31,6 +31,6 @@ def load_original(
     if parsing is None:
         regions = None if given is None else given.regions
     else:
-        regions = load_regions(parsing, (picture.shape[1], picture.shape[0]))
+        regions = load_regions(parsing, (picture.shape[1], picture.shape[0]), landmarks)
     with naming(path):
         return Original(rig, template, picture, regions)

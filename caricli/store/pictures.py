@@ -8,8 +8,9 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.image import is_image_file, read_alpha, read_image
 from caricli.io.landmarks import read_landmarks
-from caricli.io.parsing import read_parsing
+from caricli.io.parsing import names_labels, read_parsing
 from caricli.structures import Landmarks
+from caricli.structures.landmarks import MOUTH
 from caricli.structures.parsing import Region
 
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
@@ -30,6 +31,11 @@ _ELSEWHERE = {
     **{f"{side}_lip": Region.LIPS for side in ("upper", "lower")},
 }
 """What the labels are here that CelebAMask-HQ calls otherwise."""
+
+_LOOKS = ("eye_glasses", "eye_left", "eye_right", "brow_left", "brow_right")
+_BELOW = 1 / 3
+"""Share of a mouth's landmarks that lie on eyes and brows where labels are numbered in another way, at least. By the
+numbers that `caricli detect` writes 0.55 to 1 do on the caricatures, by the right ones none."""
 
 _WHITE = 127
 """Grey above which a pixel of a mask is white, and alpha above which it is opaque."""
@@ -99,16 +105,18 @@ def load_found_marks(
     return (marks if marks.spreads is None else marks.first(count)), picture
 
 
-def load_eyes(path: Path | None, size: tuple[int, int] | None) -> np.ndarray | None:
+def load_eyes(
+    path: Path | None, size: tuple[int, int] | None, points: np.ndarray | None = None
+) -> np.ndarray | None:
     """(H, W) bool: pixels that show an eye, by the labels of a parsed picture.
 
-    path: of the labels, or None for no such picture. size: (width, height) that it must have, or None for any.
-    Raises InputError for another size, and where no pixel is labelled so.
+    path: of the labels, or None for no such picture. size: (width, height) that it must have, or None for any. points:
+    (L, 2) pixels, landmarks of its face, NaN where unknown, or None.
+    Raises InputError for another size, where no pixel is labelled so, and as ``load_regions`` does for numbers.
     """
     if path is None:
         return None
-    labels, legend = read_parsing(path)
-    _check_size(path, labels, size)
+    labels, legend = _load_labels(path, size, points)
     eyes = np.isin(labels, [legend[name] for name in _EYE_LABELS if name in legend])
     if not eyes.any():
         raise InputError(f"{shown(path)}: expected pixels labelled {' or '.join(_EYE_LABELS)}, found none")
@@ -135,14 +143,15 @@ def load_mask(path: Path, size: tuple[int, int]) -> np.ndarray:
     return head
 
 
-def load_regions(path: Path, size: tuple[int, int]) -> np.ndarray:
+def load_regions(path: Path, size: tuple[int, int], points: np.ndarray | None = None) -> np.ndarray:
     """(H, W) uint8 values of Region: what a picture shows, by its label map.
 
-    path: of the labels. size: (width, height) of the picture that they are of.
-    Raises InputError for another size, for a label whose number or name says nothing here, and where all is background.
+    path: of the labels. size: (width, height) of the picture that they are of. points: (L, 2) pixels, landmarks of its
+    face, NaN where unknown, or None.
+    Raises InputError for another size, for a label whose number or name says nothing here, where all is background, and
+    where nothing names the labels and the mouth lies on eyes by the numbers of CelebAMask-HQ.
     """
-    labels, legend = read_parsing(path)
-    _check_size(path, labels, size)
+    labels, legend = _load_labels(path, size, points)
     regions = np.full(256, -1)
     for name, number in legend.items():
         region = _ELSEWHERE.get(name, Region.__members__.get(name.upper()))
@@ -156,6 +165,25 @@ def load_regions(path: Path, size: tuple[int, int]) -> np.ndarray:
     if not shown_there.any():
         raise InputError(f"{shown(path)}: expected pixels that show a head, found background alone")
     return shown_there
+
+
+def _load_labels(
+    path: Path, size: tuple[int, int] | None, points: np.ndarray | None
+) -> tuple[np.ndarray, dict[str, int]]:
+    """(H, W) labels and the numbers of their names. size, points: as of ``load_eyes``."""
+    labels, legend = read_parsing(path)
+    _check_size(path, labels, size)
+    if points is not None and not names_labels(path):
+        mouth = points[list(MOUTH)]
+        columns, rows = np.round(mouth[np.isfinite(mouth).all(axis=1)]).astype(int).T
+        inside = (columns >= 0) & (rows >= 0) & (columns < labels.shape[1]) & (rows < labels.shape[0])
+        there = labels[rows[inside], columns[inside]]
+        if len(there) and np.isin(there, [legend[name] for name in _LOOKS]).mean() > _BELOW:
+            raise InputError(
+                f"{shown(path)}: expected labels numbered as in CelebAMask-HQ, as nothing names them, found eyes or "
+                f"brows where the mouth is; put its JSON beside it, {shown(path.with_suffix('.json').name)}"
+            )
+    return labels, legend
 
 
 def _check_size(path: Path, pixels: np.ndarray, size: tuple[int, int] | None) -> None:

@@ -210,7 +210,7 @@ def png(array):
 BAD_PARSING = {
     "another size": (lambda labels: png(labels[:-1]), "expected the picture's size, 400 x 440, found 400 x 439"),
     "no eyes": (lambda labels: png(np.minimum(labels, 1)), "expected pixels labelled eye_left or eye_right"),
-    "colours": (lambda labels: png(np.stack([labels] * 3, -1)), "one byte a pixel, found 400 x 440 of mode RGB"),
+    "colours": (lambda labels: png(np.stack([labels, labels, 0 * labels], -1)), "or grey, found 400 x 440 of mode RGB"),
     "a bomb": (lambda labels: bomb(), "expected a PNG of label numbers"),
     "text": (lambda labels: b"hello", "expected a PNG of label numbers"),
 }

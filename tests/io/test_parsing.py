@@ -7,7 +7,7 @@ import pytest
 from PIL import Image, PngImagePlugin
 
 from caricli.errors import InputError
-from caricli.io.parsing import CELEBAMASK_HQ, SCHEMA, read_parsing, write_parsing
+from caricli.io.parsing import CELEBAMASK_HQ, SCHEMA, names_labels, read_parsing, write_parsing
 from caricli.io.strict_json import write_json
 from caricli.structures.parsing import Region
 
@@ -38,7 +38,7 @@ def test_numbers_are_read_as_they_are_stored(mode, tmp_path):
         image = Image.fromarray((LABELS > 9).astype(np.uint8) * 255).convert("1")
     image.save(tmp_path / "a.png")
     labels, legend = read_parsing(tmp_path / "a.png")
-    assert labels.dtype == np.uint8 and legend == CELEBAMASK_HQ
+    assert labels.dtype == np.uint8 and legend == CELEBAMASK_HQ and not names_labels(tmp_path / "a.png")
     np.testing.assert_array_equal(labels, LABELS > 9 if mode == "1" else LABELS)
 
 
@@ -47,7 +47,7 @@ def test_a_label_map_that_tells_its_labels_is_read_alone(tmp_path):
     path = tmp_path / "moved.png"
     write_parsing(path, np.full((2, 3), 7, np.uint8), Region)
     labels, names = read_parsing(path)
-    assert (labels == 7).all() and names == {region.name.lower(): region.value for region in Region}
+    assert (labels == 7).all() and names_labels(path) and names == {region.name.lower(): region.value for region in Region}
     path.with_suffix(".json").write_text(json.dumps({"schema": SCHEMA, "labels": {"hair": 7}}))
     assert read_parsing(path)[1] == {"hair": 7}
 
@@ -65,6 +65,7 @@ def test_labels_that_a_picture_tells_amiss_are_refused(text, tmp_path):
 def test_the_legend_beside_it_goes_first(tmp_path):
     Image.fromarray(LABELS).save(tmp_path / "a.png")
     write_json(tmp_path / "a.json", {"schema": SCHEMA, "labels": {"skin": 1, "eye_left": 17}})
+    assert names_labels(tmp_path / "a.png")
     assert read_parsing(tmp_path / "a.png")[1] == {"skin": 1, "eye_left": 17}
     # Who changes what was read changes nothing for the next one.
     (tmp_path / "a.json").unlink()
@@ -101,11 +102,23 @@ def test_a_legend_that_is_no_json_is_refused(tmp_path):
         read_parsing(tmp_path / "a.png")
 
 
+@pytest.mark.parametrize("mode", ["RGB", "RGBA", "LA"])
+def test_greys_of_a_painting_program_are_numbers(mode, tmp_path):
+    path = tmp_path / "a.png"
+    Image.fromarray(LABELS).convert(mode).save(path)
+    np.testing.assert_array_equal(read_parsing(path)[0], LABELS)
+
+
 @pytest.mark.parametrize("mode", ["RGB", "RGBA", "I;16", "LA"])
 def test_pictures_of_other_modes_are_refused(mode, tmp_path):
     image = Image.fromarray(LABELS.astype(np.uint16)) if mode == "I;16" else Image.fromarray(LABELS).convert(mode)
+    if mode != "I;16":
+        # A little colour, or a little that is clear.
+        other = np.array(image)
+        other[0, 0, -1] = 7
+        image = Image.fromarray(other)
     image.save(tmp_path / "a.png")
-    with pytest.raises(InputError, match="expected a PNG of label numbers, one byte a pixel, found 7 x 5 of mode"):
+    with pytest.raises(InputError, match="expected a PNG of label numbers, one byte a pixel or grey, found 7 x 5 of m"):
         read_parsing(tmp_path / "a.png")
 
 

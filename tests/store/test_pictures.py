@@ -155,3 +155,30 @@ def test_regions_are_labels_by_the_names_of_either_kind(tmp_path):
     write_json(path.with_suffix(".json"), {"schema": SCHEMA, "labels": {"skin": 3, "ear_left": 5}})
     with pytest.raises(InputError, match="labels.png: expected numbers that the legend names, found 0"):
         load_regions(path, (7, 1))
+
+
+@pytest.mark.parametrize(
+    ("mouth", "told", "is_refused"), [(5, False, True), (12, False, False), (5, True, False), (3, False, True)]
+)
+def test_numbers_that_put_eyes_on_the_mouth_are_refused_where_nothing_names_them(mouth, told, is_refused, tmp_path):
+    """As those of `caricli detect` do, whose names a painting program lost."""
+    from PIL import Image
+
+    points = np.full((68, 2), 30.0)
+    points[48:56] = [30, 50]
+    points[60] = [3000, -9]
+    points[61] = np.nan
+    labels = np.ones((HEIGHT, WIDTH), np.uint8)
+    labels[40:, :] = mouth
+    labels[:9, :9] = 4
+    path = tmp_path / "labels.png"
+    Image.fromarray(labels).save(path)
+    if told:
+        write_json(path.with_suffix(".json"), {"schema": SCHEMA, "labels": {"skin": 1, "eye_left": 4, "lower_lip": 5}})
+    for load in (load_regions, load_eyes):
+        load(path, (WIDTH, HEIGHT))
+        if is_refused:
+            with pytest.raises(InputError, match=r"labels.png: expected labels numbered as in .* beside it, labels.js"):
+                load(path, (WIDTH, HEIGHT), points)
+        else:
+            load(path, (WIDTH, HEIGHT), points)

@@ -11,6 +11,7 @@ import numpy as np
 
 from caricli.commands.shared.batch import named_jobs
 from caricli.commands.shared.face_outputs import note_source, staged_face
+from caricli.commands.shared.notes import echo_numbering
 from caricli.commands.shared.picture import write_picture
 from caricli.errors import UsageError, naming
 from caricli.io.image import is_image_file
@@ -126,7 +127,9 @@ class FitTask:
             return picture
         if labels is not None:
             size = (picture.pixels.shape[1], picture.pixels.shape[0])
-            return replace(picture, regions=load_regions(labels, size))
+            regions = load_regions(labels, size, picture.landmarks.points)
+            echo_numbering(labels)
+            return replace(picture, regions=regions)
         return replace(picture, regions=self.files.reader.given(picture.pixels, picture.landmarks.points).regions)
 
     def _shown(self, face: Face, finer: FineMesh) -> Face:

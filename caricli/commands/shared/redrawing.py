@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from caricli.commands.shared.notes import echo_notes
+from caricli.commands.shared.notes import echo_notes, echo_numbering
 from caricli.commands.shared.progress import progress_bar
 from caricli.errors import shown
 from caricli.io.image import write_png
@@ -53,6 +53,7 @@ class Redrawing:
         assert picture is not None
         retargeting = self.retargeting
         original = load_original(retargeting.rig, retargeting.template, picture, self.paths.parsing, self.reader)
+        echo_numbering(self.paths.parsing)
         echo_notes(*(f"{shown(picture)}: {note}" for note in original.unknown()))
         return original
 
