@@ -291,7 +291,8 @@ class TextureTask:
         self, path: Path, picture: np.ndarray, points: np.ndarray
     ) -> tuple[np.ndarray | None, np.ndarray | None]:
         """Of a path's picture (H, W, 3) and the landmarks (L, 2) of its face: the mask (H, W) of its head, bool, and
-        (H, W) values of Region; None where there is none.
+        (H, W) values of Region; None where there is none. Raises InputError where neither is given and the picture
+        surely shows its face elsewhere.
         """
         from caricli.store.face_pictures import FaceReader
         from caricli.store.pictures import load_mask, load_regions
@@ -305,8 +306,10 @@ class TextureTask:
             return None, regions
         given = FaceReader(self.detector).given(picture, points)
         if given.elsewhere:
-            other = "shows a face elsewhere, and none where this one is: was this fitted to another picture?"
-            echo_notes(f"{shown(path)}: {other}")
+            raise InputError(
+                f"{shown(path)}: expected the picture that the face was fitted to, found a face in another place; with "
+                "--mask or --parsing it is painted all the same"
+            )
         return None, given.regions
 
 

@@ -317,12 +317,16 @@ def write_labels(path, labels, names=None):
     return path
 
 
-@pytest.mark.parametrize("elsewhere", [True, False])
-def test_it_is_said_where_the_picture_shows_a_face_elsewhere(elsewhere, run, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("caricli.methods.detect.parse_face.GivenFace.elsewhere", elsewhere)
-    result = run(COMMAND, *inputs(scene)[:2], "--size", 64, "--hair", "none", "--no-picture", "--out", tmp_path / "out")
-    assert result.exit_code == 0, result.output
-    assert ("shows a face elsewhere, and none where this one is" in result.stderr) == elsewhere
+def test_a_picture_that_shows_a_face_elsewhere_is_refused_unless_it_is_told_where_the_head_is(
+    run, refused, scene, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("caricli.methods.detect.parse_face.GivenFace.elsewhere", True)
+    face, photo, *mask = inputs(scene)
+    options = ("--size", 64, "--hair", "none", "--no-picture", "--out", tmp_path / "out")
+    said = refused(COMMAND, face, photo, *options)
+    assert f"{photo}: expected the picture that the face was fitted to, found a face in another place" in said
+    assert not (tmp_path / "out").exists()
+    assert run(COMMAND, face, photo, *mask, *options).exit_code == 0
 
 
 def test_a_label_map_stands_in_for_the_detector(run, scene, tmp_path, monkeypatch):
@@ -332,6 +336,7 @@ def test_a_label_map_stands_in_for_the_detector(run, scene, tmp_path, monkeypatc
     labels = write_labels(tmp_path / "labels.png", head.astype(np.uint8))
     result = run(COMMAND, face, photo, "--parsing", labels, "--size", 64, "--out", tmp_path / "out")
     assert result.exit_code == 0, result.output
+    assert f"{labels}: nothing names its labels, which are read as numbered in CelebAMask-HQ" in result.stderr
     report = read_json(tmp_path / "out" / "face.json")
     assert report["head"] == pytest.approx(head.mean(), rel=0.05) and report["hair"] is None
 
