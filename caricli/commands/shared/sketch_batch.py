@@ -119,7 +119,6 @@ class SketchTask:
             finer = subdivide_face(fit.face, self.model, self.fine)
             write_face_files(files[0], files[1], fit.face, mesh_face(fit.face, template, self.head, finer))
             about: dict[str, Any] = {"model_id": self.model.model_id, "follow": self.follow, "subdivide": self.levels}
-            about["coarse"] = reconstruction.name
             report = provenance("reconstruct-from-sketch", [path, image, self.network], **about)
             write_json(files[2], report | fit.figures() | {"seconds": seconds})
             pixels = None if image is None else read_image(image)

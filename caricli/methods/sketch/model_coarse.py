@@ -1,6 +1,7 @@
 """The face that shape models allow for lines, to follow them from."""
 
 from contextlib import suppress
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,11 +10,19 @@ from caricli.methods.faces.encode_landmarks import LandmarkEncoder
 from caricli.methods.reconstruct.settings import IntrinsicSettings
 from caricli.methods.sketch.fit_lines import Lines, fit_lines, line_camera
 from caricli.methods.sketch.line_handles import LineHandles
+from caricli.methods.sketch.settings import COARSE, ELASTIC
 from caricli.structures import Face
 from caricli.structures.sketch import Sketch
 
 
-def model_coarse(sketch: Sketch, lines: Lines, handles: LineHandles, encoder: LandmarkEncoder) -> Face:
+class CoarseFace(NamedTuple):
+    """A face that lines are followed from. face: Face with camera and latent. name: of COARSE, or ELASTIC."""
+
+    face: Face
+    name: str
+
+
+def model_coarse(sketch: Sketch, lines: Lines, handles: LineHandles, encoder: LandmarkEncoder) -> CoarseFace:
     """A face that is likely for lines: inside the model, or an elastic one where the model has no face like that.
 
     A face of the model comes first (``fit_lines``). Where it leaves the lines by more than the model leaves usual
@@ -22,13 +31,14 @@ def model_coarse(sketch: Sketch, lines: Lines, handles: LineHandles, encoder: La
 
     sketch: Sketch, not looked at. lines: of it, by curves. handles: LineHandles of the model's template.
     encoder: LandmarkEncoder of the model.
-    Returns Face with camera and latent. Raises InputError where the lines tell too little.
+    Returns CoarseFace. Raises InputError where the lines tell too little.
     """
     model = encoder.model
     face = fit_lines(lines, handles, model)
     if misfit(face, lines, handles) <= IntrinsicSettings.least:
-        return face
-    return elastic_face(lines, handles, encoder) or face
+        return CoarseFace(face, COARSE[1])
+    elastic = elastic_face(lines, handles, encoder)
+    return CoarseFace(elastic, ELASTIC) if elastic else CoarseFace(face, COARSE[1])
 
 
 def elastic_face(lines: Lines, handles: LineHandles, encoder: LandmarkEncoder) -> Face | None:

@@ -18,10 +18,10 @@ from caricli.methods.faces.encode_landmarks import LandmarkEncoder
 from caricli.methods.sketch.fit_lines import Lines
 from caricli.methods.sketch.follow_lines import LineFollower
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
-from caricli.methods.sketch.model_coarse import model_coarse
+from caricli.methods.sketch.model_coarse import CoarseFace, model_coarse
 from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
 from caricli.methods.sketch.network_coarse import network_coarse
-from caricli.methods.sketch.settings import COARSE, FollowSettings
+from caricli.methods.sketch.settings import ELASTIC, FollowSettings
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 from caricli.structures.sketch import Sketch, StrokeKind
@@ -38,7 +38,7 @@ first on where it was nearer before."""
 _ROUNDS = 3
 """Curves that are given up, at most."""
 
-Coarse = Callable[[Sketch, Lines, LineHandles], Face]
+Coarse = Callable[[Sketch, Lines, LineHandles], CoarseFace]
 """A face that is likely for a sketch, with camera and latent: of the sketch, its lines by curves, and the handles."""
 
 
@@ -54,7 +54,8 @@ class SketchFit:
     the way to the lines. asked: the share that was asked for, more than ``share`` where that would tear the surface.
     unsure: share of the strokes that do not say what they draw and seem to draw no line of a face. doubted: mean
     distance of the likeliest face from the lines, percent of the canvas, from which on it is doubtful that they show
-    one. left: curves whose strokes were left again, because no face that meets the others comes near them.
+    one. begun: with what, of COARSE, or ELASTIC. left: curves whose strokes were left again, because no face that meets
+    the others comes near them.
     """
 
     face: Face
@@ -69,6 +70,7 @@ class SketchFit:
     asked: float
     unsure: float
     doubted: float
+    begun: str
     left: tuple[str, ...] = ()
 
     @property
@@ -84,6 +86,7 @@ class SketchFit:
     def figures(self) -> dict[str, Any]:
         """What reports say of it, as JSON."""
         return {
+            "coarse": self.begun,
             "line_errors_before": self.coarse,
             "line_errors": self.errors,
             "worst_line_error": self.worst,
@@ -100,6 +103,8 @@ class SketchFit:
         """What is printed of it."""
         lines = f"lines {self.coarse['all']:.2f} to {self.errors['all']:.3f} % of the canvas away"
         told = [f"{lines}, prior {self.prior_rms:.2f}, flipped {100 * self.flipped:.3f} %"]
+        if self.begun == ELASTIC:
+            told.append("begun with an elastic face, as no usual one comes near the lines")
         if self.strange:
             told.append("doubtful: so far from any face lines are of something else")
         if self.unsure > _UNSURE:
@@ -141,7 +146,7 @@ def _without(named: Sketch, curve: str, sketch: Sketch) -> Sketch:
 class SketchReconstruction:
     """From sketches to faces of one model; what does not depend on a sketch is solved once.
 
-    model: ShapeModel. handles: LineHandles of its template. name: of COARSE, how a face begins.
+    model: ShapeModel. handles: LineHandles of its template.
     """
 
     @classmethod
@@ -152,25 +157,23 @@ class SketchReconstruction:
         """
         if see is None:
             return cls(encoder.model, partial(model_coarse, encoder=encoder))
-        return cls(encoder.model, partial(network_coarse, see=see, encoder=encoder), COARSE[0], see=see)
+        return cls(encoder.model, partial(network_coarse, see=see, encoder=encoder), see=see)
 
     def __init__(
         self,
         model: ShapeModel,
         coarse: Coarse,
-        name: str = COARSE[1],
         settings: FollowSettings = FollowSettings(),  # noqa: B008 (frozen)
         see: Callable[[Sketch], Face] | None = None,
     ) -> None:
-        """coarse: gives the face that lines are followed from, in the topology of the model. name: of COARSE. see: what
-        strokes without names are told by, see ``name_strokes``.
+        """coarse: gives the face that lines are followed from, in the topology of the model. see: what strokes
+        without names are told by, see ``name_strokes``.
 
         Raises InputError for a model whose annotation names no curves.
         """
         self.model = model
         self.handles = LineHandles(named_curves(model.template.annotation))
         self.follower = LineFollower(model.template, self.handles, settings)
-        self.name = name
         self._see = see
         self._coarse = coarse
         self._settings = settings
@@ -194,7 +197,7 @@ class SketchReconstruction:
         """The face whose curves lie on the strokes that name them."""
         unsure = unsure_share(sketch, named, self.handles)
         lines = lines_by_curve(named)
-        coarse = self._coarse(named, lines, self.handles)
+        coarse, begun = self._coarse(named, lines, self.handles)
         camera = coarse.require_camera()
         before = self._curves(coarse)
         places = self.handles.places(lines, camera.project(coarse.vertices[self.handles.vertices]))
@@ -220,6 +223,7 @@ class SketchReconstruction:
             asked=share,
             unsure=unsure,
             doubted=doubted,
+            begun=begun,
         )
 
     def _sound(self, coarse: Face, places: np.ndarray, share: float) -> tuple[Face, float]:

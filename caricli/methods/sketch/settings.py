@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 COARSE = ("network", "model")
 """How the face of a sketch begins; the first is the default."""
+ELASTIC = "elastic"
+"""How it begins where neither of these has a face like that."""
 
 SELDOM = ("eye_fold", "nose_tip", "nostril")
 """What the names of curves begin with that are drawn beside others, the lids and the wings of the nose, if at all."""

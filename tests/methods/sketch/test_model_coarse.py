@@ -17,8 +17,9 @@ def test_a_face_that_the_model_has_stays_inside(encoder, model, handles, camera,
     vertices = model.decode(model.prior.mean)
     own = camera.project(vertices)
     lines = {curve.name: [own[curve.vertices]] for curve in handles.curves}
-    face = model_coarse(sketch, lines, handles, encoder)
+    face, name = model_coarse(sketch, lines, handles, encoder)
     np.testing.assert_array_equal(face.vertices, fit_lines(lines, handles, model).vertices)
+    assert name == "model"
 
 
 def test_a_drawing_far_from_all_faces_is_met_by_an_elastic_one(encoder, model, handles, sketch):
@@ -30,9 +31,10 @@ def test_a_drawing_far_from_all_faces_is_met_by_an_elastic_one(encoder, model, h
 
     lines = {name: [bent(line) for line in several] for name, several in lines_by_curve(sketch).items()}
     errors = []
-    for face in (model_coarse(sketch, lines, handles, encoder), fit_lines(lines, handles, model)):
+    coarse, name = model_coarse(sketch, lines, handles, encoder)
+    for face in (coarse, fit_lines(lines, handles, model)):
         own = face.require_camera().project(face.vertices[handles.vertices])
         gaps = np.linalg.norm(handles.places(lines, own) - own, axis=1)
         errors.append(np.nanmean(gaps[handles.rows_of("mouth")]))
     assert errors[0] < 0.6 * errors[1]
-    assert model_coarse(sketch, lines, handles, encoder).model_id == model.model_id
+    assert coarse.model_id == model.model_id and name == "elastic"

@@ -47,7 +47,8 @@ def encoder(model):
 
 def test_the_network_says_the_shape_and_the_lines_the_camera(see, sketch, handles, model, encoder):
     lines = lines_by_curve(sketch)
-    face = network_coarse(sketch, lines, handles, see, encoder)
+    face, name = network_coarse(sketch, lines, handles, see, encoder)
+    assert name == "network"
     seen = see(sketch)
     camera = seen.require_camera()
     np.testing.assert_allclose(face.vertices, model.decode(seen.require_latent()))
@@ -60,7 +61,8 @@ def test_the_network_says_the_shape_and_the_lines_the_camera(see, sketch, handle
 def test_a_face_in_the_terms_of_another_model_keeps_its_shape(see, sketch, handles):
     own = load_model(kind="kernel")
     lines = lines_by_curve(sketch)
-    face = network_coarse(sketch, lines, handles, see, landmark_encoder(own, load_model()))
+    face, name = network_coarse(sketch, lines, handles, see, landmark_encoder(own, load_model()))
+    assert name == "network"
     np.testing.assert_array_equal(face.vertices, see(sketch).vertices)
     assert face.model_id == own.model_id
     np.testing.assert_allclose(own.decode(face.require_latent()), face.vertices, atol=0.004)
@@ -75,7 +77,8 @@ def test_lines_that_the_network_has_no_face_for_are_met_by_an_elastic_one(see, s
 
     drawn = sketch.with_strokes([stroke.moved(bent(stroke.points)) for stroke in sketch.strokes])
     lines = lines_by_curve(drawn)
-    face = network_coarse(drawn, lines, handles, see, encoder)
+    face, name = network_coarse(drawn, lines, handles, see, encoder)
+    assert name == "elastic"
     seen = replace(see(drawn), camera=face.camera)
     assert misfit(face, lines, handles) < 0.5 * misfit(seen, lines, handles)
     assert face.model_id == encoder.model.model_id
@@ -109,4 +112,5 @@ def test_lines_far_from_any_face_are_doubted(see, model, encoder):
         lines += [np.array([(90.0, 160), (30, row)]), np.array([(166.0, 160), (226, row)])]
     coarse = partial(network_coarse, see=see, encoder=encoder)
     fit = SketchReconstruction(model, coarse).reconstruct(Sketch(tuple(map(Stroke, lines)), (256, 256)))
+    assert fit.begun == fit.figures()["coarse"] == "elastic" and "an elastic face" in fit.describe()
     assert fit.strange and "far from any face" in fit.describe() and fit.figures()["strange"]

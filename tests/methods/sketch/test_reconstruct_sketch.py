@@ -10,7 +10,7 @@ from caricli.limits import MAX_SKETCH_POINTS
 from caricli.methods.faces.encode_face import decode_face
 from caricli.methods.faces.encode_landmarks import landmark_encoder
 from caricli.methods.sketch import reconstruct_sketch
-from caricli.methods.sketch.model_coarse import model_coarse
+from caricli.methods.sketch.model_coarse import CoarseFace, model_coarse
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.settings import FollowSettings
 from caricli.store.models import load_model
@@ -82,9 +82,9 @@ def test_lines_that_would_tear_the_surface_are_followed_less_far(model, coarse, 
 
 def test_lines_whose_likeliest_face_is_torn_are_refused(model, coarse, sketch):
     def torn(*_):
-        face = coarse(*_)
+        face, name = coarse(*_)
         generator = np.random.default_rng(1)
-        return face.with_vertices(face.vertices + generator.normal(0, 0.1, face.vertices.shape))
+        return CoarseFace(face.with_vertices(face.vertices + generator.normal(0, 0.1, face.vertices.shape)), name)
 
     with pytest.raises(InputError, match="expected lines that a face could show, found the likeliest one torn"):
         SketchReconstruction(model, torn, settings=FollowSettings(torn=0.0)).reconstruct(sketch, 0.0)
