@@ -99,10 +99,15 @@ def name_strokes(
 
 
 def unsure_share(sketch: Sketch, named: Sketch, handles: LineHandles) -> float:
-    """Share of the strokes without a curve's name, and no wrinkles, that found none, 0 to 1. named: see above."""
+    """Share of the strokes without a curve's name, and no wrinkles, that found none, 0 to 1; 0 where most strokes name
+    their curves, beside which wrinkles need no name. named: see above.
+    """
+    own = _with_own_names(sketch, handles)
+    if 2 * sum(stroke.curve is not None for stroke in own.strokes) > len(own.strokes):
+        return 0.0
     counts = [
         sum(stroke.curve is None and stroke.kind != StrokeKind.WRINKLE for stroke in each.strokes)
-        for each in (_with_own_names(sketch, handles), named)
+        for each in (own, named)
     ]
     # A closed stroke that was taken for two may have been left as two.
     return min(counts[1] / counts[0], 1.0) if counts[0] else 0.0

@@ -7,7 +7,7 @@ import pytest
 
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.methods.sketch.line_handles import LineHandles
-from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
 from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.methods.sketch.vary_sketch import vary_sketch
 from caricli.store.models import DEFAULT_LATENT, load_model
@@ -233,3 +233,11 @@ def test_hair_and_a_neck_are_no_lines_of_a_face(sketch, handles, model):
     more = tuple(map(Stroke, (hair, fringe, *neck)))
     named = name_strokes(Sketch((*map(nameless, drawn), *more), (400, 500)), handles, model)
     assert curves_of(named) == [*(stroke.curve for stroke in drawn), *4 * [None]]
+
+
+def test_wrinkles_without_a_name_beside_named_curves_are_not_unsure(sketch, handles):
+    wrinkle = Stroke(np.array([[100.0, 90], [156, 90]]))
+    drawn = sketch.with_strokes((*sketch.strokes, *6 * [wrinkle]))
+    assert unsure_share(drawn, drawn, handles) == 0
+    bare = sketch.with_strokes((*sketch.strokes[:6], *6 * [wrinkle]))
+    assert unsure_share(bare, bare, handles) == 1
