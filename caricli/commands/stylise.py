@@ -98,6 +98,7 @@ def command(
     """Make portraits caricatures: their shape, and what they are painted with.
 
     The face is reconstructed and exaggerated, and the picture follows its mesh; hair and background give way smoothly.
+    A portrait that is transparent in places is laid on white before, and P.png is opaque.
     Beside P.png go P.json, the landmarks of the face in it, exactly where its pixels went; P-report.json; and
     P-sheet.png, with the portrait before and after. `caricli reconstruct-from-landmarks P.json --image P.png` goes on.
 

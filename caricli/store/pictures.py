@@ -105,9 +105,7 @@ def load_found_marks(
     return (marks if marks.spreads is None else marks.first(count)), picture
 
 
-def load_eyes(
-    path: Path | None, size: tuple[int, int] | None, points: np.ndarray | None = None
-) -> np.ndarray | None:
+def load_eyes(path: Path | None, size: tuple[int, int] | None, points: np.ndarray | None = None) -> np.ndarray | None:
     """(H, W) bool: pixels that show an eye, by the labels of a parsed picture.
 
     path: of the labels, or None for no such picture. size: (width, height) that it must have, or None for any. points:

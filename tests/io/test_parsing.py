@@ -47,7 +47,8 @@ def test_a_label_map_that_tells_its_labels_is_read_alone(tmp_path):
     path = tmp_path / "moved.png"
     write_parsing(path, np.full((2, 3), 7, np.uint8), Region)
     labels, names = read_parsing(path)
-    assert (labels == 7).all() and names_labels(path) and names == {region.name.lower(): region.value for region in Region}
+    assert (labels == 7).all() and names_labels(path)
+    assert names == {region.name.lower(): region.value for region in Region}
     path.with_suffix(".json").write_text(json.dumps({"schema": SCHEMA, "labels": {"hair": 7}}))
     assert read_parsing(path)[1] == {"hair": 7}
 
