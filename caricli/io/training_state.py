@@ -60,4 +60,4 @@ def _load(data: bytes) -> Any:
             warnings.simplefilter("ignore")
             return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
     except Exception as error:  # both raise whatever they meet
-        raise InputError(f"expected {_KIND}, found a damaged or other file; --overwrite begins anew") from error
+        raise InputError(f"expected {_KIND}, found a damaged or other file") from error

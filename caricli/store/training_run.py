@@ -5,12 +5,13 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from caricli.data.dataset import Dataset
-from caricli.errors import InputError, OutputError, naming
+from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.checkpoint import write_checkpoint
 from caricli.io.image import write_png
 from caricli.io.outputs import check_outputs, staged, write_bytes
@@ -101,10 +102,8 @@ class RunFolder:
             self._check_folder(beginning.inputs)
         path = folder / STATE
         if beginning.resume and path.exists():
-            self.state, trained = read_state(path)
-            with naming(path):
-                _check_same(trained, recipe)
-                _check_log(self.state.get("log"), self.state.get("seconds"))
+            with _anew():
+                self.state = self._read_state(path)
             self.log = self.state["log"]
             self.seconds = self.state["seconds"]
         elif self.writes:
@@ -117,7 +116,7 @@ class RunFolder:
         that it has come to. Yields the log's line of every epoch.
         """
         if self.state is not None:
-            with naming(self.folder / STATE):
+            with _anew(), naming(self.folder / STATE):
                 training.load_state(self.state)
             if self.writes and training.ended:  # it may have been killed between its last state and its log
                 self._write_log()
@@ -150,6 +149,14 @@ class RunFolder:
         """Write a model: tensors and metadata."""
         with staged(self.folder / MODEL, overwrite=True) as (temporary,):
             write_checkpoint(temporary, *checkpoint)
+
+    def _read_state(self, path: Path) -> dict:
+        """The state to go on from, which must be of this training."""
+        state, trained = read_state(path)
+        with naming(path):
+            _check_same(trained, self.recipe)
+            _check_log(state.get("log"), state.get("seconds"))
+        return state
 
     def _check_folder(self, inputs: Sequence[Path | None]) -> None:
         if self.folder.exists() and not self.folder.is_dir():
@@ -234,6 +241,15 @@ class TrainingRun(RunFolder):
         return errors
 
 
+@contextmanager
+def _anew() -> Iterator[None]:
+    """Let the message of an InputError raised inside say how to begin anew."""
+    try:
+        yield
+    except InputError as error:
+        raise type(error)(f"{error}; --overwrite begins anew") from error
+
+
 def _check_same(trained: dict, asked: dict) -> None:
     """Refuse to go on with other settings, or other contents or the same in another order, which says what each is for;
     where the files lie does not matter."""
@@ -243,14 +259,18 @@ def _check_same(trained: dict, asked: dict) -> None:
     hashes: list = list(inputs.values()) if isinstance(inputs, dict) else [None]
     others = list(asked["inputs"].values())
     if not isinstance(then, dict) or not all(isinstance(value, str) for value in hashes):
-        raise InputError("expected a training with its settings and inputs, found none; --overwrite begins anew")
+        raise InputError("expected a training with its settings and inputs, found none")
+    commands = [recipe.get("command") for recipe in (asked, trained)]
+    if commands[0] != commands[1]:
+        expected, there = (f"`caricli {shown(command, 60)}`" for command in commands)
+        raise InputError(f"expected a training by {expected}, found one by {there}")
     if then == now and hashes == others:
         return
     data = "the same data in another order" if sorted(hashes) == sorted(others) else "other data"
     settings = [f"{name} {then.get(name)} there, {now[name]} here" for name in now if then.get(name) != now[name]]
     raise InputError(
         "expected a training with these settings and data, found another "
-        f"({', '.join(settings) or data}); --overwrite begins anew"
+        f"({', '.join(settings) or data})"
     )
 
 
@@ -266,7 +286,7 @@ def _check_log(log: Any, seconds: Any) -> None:
         for line in lines
     )
     if not sound or not _is_number(seconds):
-        raise InputError("expected a training with a log of its epochs, found none; --overwrite begins anew")
+        raise InputError("expected a training with a log of its epochs, found none")
 
 
 def _is_number(value: Any) -> bool:

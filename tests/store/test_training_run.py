@@ -19,7 +19,7 @@ CONFIG = DeformableConfig(
     latent=3, width=8, layers=2, hidden=8, epochs=4, batch=4, points=30, precision="float32", validate_every=2,
     smoothness_weight=0.0,
 )  # fmt: skip
-RECIPE = {"config": asdict(CONFIG), "inputs": {"dataset.json": "0" * 64}}
+RECIPE = {"command": "train deformable", "config": asdict(CONFIG), "inputs": {"dataset.json": "0" * 64}}
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +81,22 @@ def test_the_same_data_in_another_order_are_others(training, template, tmp_path)
         TrainingRun(tmp_path, RECIPE | {"inputs": turned}, Beginning(resume=True))
     moved = {"c/dataset.json": "0" * 64, "a/dataset.json": "1" * 64}
     TrainingRun(tmp_path, RECIPE | {"inputs": moved}, Beginning(resume=True))
+
+
+def test_a_training_of_another_kind_is_said(training, template, tmp_path):
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    other = RECIPE | {"command": "train gesture", "config": {"steps": 3}}
+    expected = r"by `caricli train gesture`, found one by `caricli train deformable`; --overwrite begins anew$"
+    with pytest.raises(InputError, match=expected):
+        TrainingRun(tmp_path, other, Beginning(resume=True))
+
+
+@pytest.mark.parametrize("damage", [lambda data: b"", lambda data: data[:-100]])
+def test_a_state_that_is_damaged_is_refused_with_a_way_out(training, template, tmp_path, damage):
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    (tmp_path / STATE).write_bytes(damage((tmp_path / STATE).read_bytes()))
+    with pytest.raises(InputError, match=r"state\.pt: expected .*; --overwrite begins anew$"):
+        TrainingRun(tmp_path, RECIPE, Beginning(resume=True))
 
 
 def test_what_is_there_is_kept_unless_it_is_to_be_replaced(training, template, tmp_path):
@@ -179,7 +195,7 @@ def test_a_state_that_is_not_this_trainings_is_refused(training, template, tmp_p
     if words is None:  # an optimiser that has not begun is one, too
         list(TrainingRun(tmp_path, RECIPE, Beginning(resume=True)).follow(training(), template))
         return
-    with pytest.raises(InputError, match=rf"state\.pt: .*{words}"):
+    with pytest.raises(InputError, match=rf"state\.pt: .*{words}.*; --overwrite begins anew$"):
         list(TrainingRun(tmp_path, RECIPE, Beginning(resume=True)).follow(training(), template))
 
 
