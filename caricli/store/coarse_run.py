@@ -25,7 +25,7 @@ from caricli.store.datasets import is_picture_set
 from caricli.store.detector import load_detector
 from caricli.store.models import load_morphable
 from caricli.store.pictures import pictures_in
-from caricli.store.training_run import MODEL, RunFolder
+from caricli.store.training_run import RunFolder
 from caricli.structures.detection import FaceFrame, MarkedPicture
 from caricli.structures.parsing import BEYOND
 
@@ -180,7 +180,7 @@ class CoarseRun(RunFolder):
 
         Returns the figures.
         """
-        network = load_coarse(self.folder / MODEL)
+        network = self.best_model(load_coarse)
         network.network.doubt.copy_(torch.from_numpy(training.doubts(network.network)))
         self.write_model(coarse_to_checkpoint(network))
         figures = {"model_id": network.model_id, "validation": 100 * training.best}

@@ -25,7 +25,7 @@ from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.model import detector_to_checkpoint
 from caricli.models.detector.networks import detector_of, network_of
 from caricli.store.detector import load_detector
-from caricli.store.training_run import MODEL, RunFolder
+from caricli.store.training_run import RunFolder
 
 
 def load_training(
@@ -98,7 +98,7 @@ class DetectorRun(RunFolder):
 
         progress: called with the pictures that are measured, and of how many. Returns the figures.
         """
-        detector = load_detector(self.folder / MODEL)
+        detector = self.best_model(load_detector)
         count = training.config.validation
         # Without the trust that an end that was stopped has written.
         detector.calibration = Calibration(

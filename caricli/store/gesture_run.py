@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from caricli.methods.train.train_gesture import GestureTraining
 from caricli.models.gesture.model import GestureModel, gesture_to_checkpoint
 from caricli.store.gestures import load_gestures
-from caricli.store.training_run import MODEL, RunFolder
+from caricli.store.training_run import RunFolder
 
 
 class GestureRun(RunFolder):
@@ -22,7 +22,7 @@ class GestureRun(RunFolder):
 
     def finish(self, training: GestureTraining) -> dict:
         """Write the report of the best model. Returns the percentage of validation strokes that it tells right."""
-        model = load_gestures(self.folder / MODEL)
+        model = self.best_model(load_gestures)
         right = total = 0
         for name, strokes in training.unseen.items():
             right += sum(model.recognise(stroke).likeliest == name for stroke in strokes)

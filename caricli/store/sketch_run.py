@@ -14,7 +14,7 @@ from caricli.models.sketch.config import SketchConfig
 from caricli.models.sketch.model import SketchModel, sketch_to_checkpoint
 from caricli.store.models import check_topology
 from caricli.store.sketch_networks import load_bilinear, load_sketch_basis, load_sketch_network
-from caricli.store.training_run import MODEL, RunFolder
+from caricli.store.training_run import RunFolder
 
 
 def load_sketch_ingredients(
@@ -61,7 +61,7 @@ class SketchRun(RunFolder):
 
     def finish(self, training: SketchTraining | PublishedTraining) -> dict:
         """Write the report of the best model. Returns its figures."""
-        network = load_sketch_network(self.folder / MODEL)
+        network = self.best_model(load_sketch_network)
         percent = 100 * training.best / training.model.template.height
         figures = {"percent": percent, "millimetres": 1000 * training.best}
         self.report({"model_id": network.model_id, "validation": figures})

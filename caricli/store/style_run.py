@@ -13,7 +13,7 @@ from caricli.models.style.config import StyleConfig
 from caricli.models.style.model import StyleModel, style_to_checkpoint
 from caricli.seeds import TrainingSeed
 from caricli.store.styles import load_style
-from caricli.store.training_run import MODEL, RunFolder
+from caricli.store.training_run import RunFolder
 from caricli.template.head import load_head
 
 
@@ -52,7 +52,7 @@ class StyleRun(RunFolder):
 
     def finish(self, training: StyleTraining) -> dict:
         """Write the report of the best model. Returns its error on unseen faces, and that of faces left as they are."""
-        model = load_style(self.folder / MODEL)
+        model = self.best_model(load_style)
         errors = 100 * np.mean(style_errors(model, training.unseen), axis=0)
         figures = {"error": float(errors[0]), "kept": float(errors[1])}
         self.report({"model_id": model.model_id, "validation": figures})

@@ -27,7 +27,7 @@ from caricli.models.texture.model import TextureModel, texture_to_checkpoint
 from caricli.seeds import LookSeed
 from caricli.store.pictures import pictures_in
 from caricli.store.texture_networks import load_texture_network
-from caricli.store.training_run import MODEL, RunFolder
+from caricli.store.training_run import RunFolder
 from caricli.template.chart import face_chart
 from caricli.template.head import load_head
 
@@ -145,7 +145,7 @@ class TextureRun(RunFolder):
 
     def finish(self, training: TextureTraining) -> dict:
         """Write the report of the best model. Returns its figures."""
-        model = load_texture_network(self.folder / MODEL)
+        model = self.best_model(load_texture_network)
         figures = {"percent_of_kept": 100 * training.best}
         self.report({"model_id": model.model_id, "validation": figures})
         return figures

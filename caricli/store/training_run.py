@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from caricli.data.dataset import Dataset
 from caricli.errors import InputError, OutputError, naming, shown
-from caricli.io.checkpoint import write_checkpoint
+from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.image import write_png
 from caricli.io.outputs import check_outputs, staged, write_bytes
-from caricli.io.strict_json import write_json
+from caricli.io.strict_json import format_json, take, write_json
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
 from caricli.methods.train.deformable.train_deformable import trained_model
@@ -39,6 +39,9 @@ MEASURED = 100
 
 LOGGED = 20
 """Validations that the report repeats."""
+
+
+Model = TypeVar("Model")
 
 
 @dataclass(frozen=True)
@@ -88,8 +91,8 @@ class RunFolder:
         """Read the state to go on from. Files of an older training stay until the first epoch of the new one is done.
 
         recipe: JSON object, how it is trained.
-        Raises InputError when there is a training with other settings or data, OutputError when files are in the way or
-        an input would be written to.
+        Raises InputError when there is a training or a model with other settings or data, OutputError when files are in
+        the way or an input would be written to.
         """
         self.folder = folder
         self.recipe = recipe
@@ -106,6 +109,8 @@ class RunFolder:
                 self.state = self._read_state(path)
             self.log = self.state["log"]
             self.seconds = self.state["seconds"]
+            if any(line["validation"] is not None for line in self.log):
+                self.best_model(read_checkpoint)
         elif self.writes:
             self._check_old(beginning)
 
@@ -149,6 +154,16 @@ class RunFolder:
         """Write a model: tensors and metadata."""
         with staged(self.folder / MODEL, overwrite=True) as (temporary,):
             write_checkpoint(temporary, *checkpoint)
+
+    def best_model(self, load: Callable[[Path], Model]) -> Model:
+        """The best model so far. load: reads its file. Raises InputError when it is missing, damaged or of another
+        training."""
+        path = self.folder / MODEL
+        with _anew():
+            metadata = read_checkpoint(path)[1]
+            with naming(path):
+                _check_same(take(metadata, "recipe", dict), json.loads(format_json(self.recipe, path)))
+            return load(path)
 
     def _read_state(self, path: Path) -> dict:
         """The state to go on from, which must be of this training."""
@@ -234,7 +249,7 @@ class TrainingRun(RunFolder):
 
         progress: called with the meshes that are measured, and of how many.
         """
-        model = load_model(self.folder / MODEL)
+        model = self.best_model(load_model)
         errors = evaluate_splits(model, data, ("validation", "test"), MEASURED, progress)
         shape_error = {split: asdict(error) for split, error in errors.items()}
         self.report({"model_id": model.model_id, "shape_error": shape_error})
@@ -268,10 +283,7 @@ def _check_same(trained: dict, asked: dict) -> None:
         return
     data = "the same data in another order" if sorted(hashes) == sorted(others) else "other data"
     settings = [f"{name} {then.get(name)} there, {now[name]} here" for name in now if then.get(name) != now[name]]
-    raise InputError(
-        "expected a training with these settings and data, found another "
-        f"({', '.join(settings) or data})"
-    )
+    raise InputError(f"expected a training with these settings and data, found another ({', '.join(settings) or data})")
 
 
 def _check_log(log: Any, seconds: Any) -> None:

@@ -1,9 +1,11 @@
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from caricli.errors import InputError, OutputError
+from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.train.deformable.surface import Surface, TrainingMeshes
 from caricli.methods.train.train_autodecoder import AutoDecoderTraining
@@ -96,6 +98,32 @@ def test_a_state_that_is_damaged_is_refused_with_a_way_out(training, template, t
     list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
     (tmp_path / STATE).write_bytes(damage((tmp_path / STATE).read_bytes()))
     with pytest.raises(InputError, match=r"state\.pt: expected .*; --overwrite begins anew$"):
+        TrainingRun(tmp_path, RECIPE, Beginning(resume=True))
+
+
+def test_a_model_that_is_not_this_trainings_is_refused(training, template, tmp_path):
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    run = TrainingRun(tmp_path, RECIPE, Beginning(resume=True))
+    tensors, metadata = read_checkpoint(tmp_path / MODEL)
+    other = metadata["recipe"] | {"config": metadata["recipe"]["config"] | {"seed": 5}}
+    for recipe, words in (
+        (other, r"another \(seed 5 there, 0 here\)"),
+        (None, "recipe: expected dict, found NoneType"),
+    ):
+        write_checkpoint(tmp_path / MODEL, tensors, metadata | {"recipe": recipe})
+        refused = pytest.raises(InputError, match=rf"model\.safetensors: .*{words}; --overwrite begins anew$")
+        with refused:
+            TrainingRun(tmp_path, RECIPE, Beginning(resume=True))
+        with refused:
+            run.finish(None)
+    assert not (tmp_path / REPORT).exists()
+
+
+@pytest.mark.parametrize("damage", [Path.unlink, lambda path: path.write_bytes(path.read_bytes()[:-100])])
+def test_a_model_that_is_missing_or_damaged_is_refused_with_a_way_out(training, template, tmp_path, damage):
+    list(TrainingRun(tmp_path, RECIPE, Beginning()).follow(training(), template))
+    damage(tmp_path / MODEL)
+    with pytest.raises(InputError, match=r"model\.safetensors: .*; --overwrite begins anew$"):
         TrainingRun(tmp_path, RECIPE, Beginning(resume=True))
 
 
