@@ -5,7 +5,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -14,7 +14,7 @@ from caricli.data.dataset import Dataset
 from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.image import write_png
-from caricli.io.outputs import check_outputs, staged, write_bytes
+from caricli.io.outputs import check_outputs, staged, write_bytes, writing
 from caricli.io.strict_json import format_json, take, write_json
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
@@ -101,8 +101,11 @@ class RunFolder:
         self.log: list[dict] = []
         self.seconds = 0.0
         self.started = time.monotonic()
+        self.logged: bytes | None = None
+        """The log as this process last saw or wrote it: another one is of a training that writes here, too."""
         if self.writes:
             self._check_folder(beginning.inputs)
+            self.logged = self._log_there()
         path = folder / STATE
         if beginning.resume and path.exists():
             with _anew():
@@ -119,6 +122,7 @@ class RunFolder:
 
         unit: length that the training's errors are given in percent of. checkpoint: tensors and metadata of the model
         that it has come to. Yields the log's line of every epoch.
+        Raises OutputError when another training writes into the folder.
         """
         if self.state is not None:
             with _anew(), naming(self.folder / STATE):
@@ -147,12 +151,12 @@ class RunFolder:
             "seconds": self._elapsed(),
             "log": [line for line in self.log if line["validation"] is not None][-LOGGED:],
         }
-        with staged(self.folder / REPORT, overwrite=True) as (temporary,):
+        with self._writing(REPORT) as temporary:
             write_json(temporary, self.recipe | figures | about)
 
     def write_model(self, checkpoint: tuple[dict, dict]) -> None:
         """Write a model: tensors and metadata."""
-        with staged(self.folder / MODEL, overwrite=True) as (temporary,):
+        with self._writing(MODEL) as temporary:
             write_checkpoint(temporary, *checkpoint)
 
     def best_model(self, load: Callable[[Path], Model]) -> Model:
@@ -198,8 +202,29 @@ class RunFolder:
             )
 
     def _remove_old(self) -> None:
+        self._require_alone()
         for path in self._old():
             path.unlink()
+        self.logged = None
+
+    def _log_there(self) -> bytes | None:
+        path = self.folder / LOG
+        with writing(path), suppress(FileNotFoundError):
+            return path.read_bytes()
+        return None
+
+    def _require_alone(self) -> None:
+        log = self._log_there()
+        if log != self.logged:
+            other = "no log" if log is None else "the log of another"
+            raise OutputError(f"{self.folder}: expected to be the only training in this folder, found {other}")
+
+    @contextmanager
+    def _writing(self, name: str) -> Iterator[Path]:
+        """A temporary path of a file, which takes its place unless another training writes into the folder."""
+        with staged(self.folder / name, overwrite=True) as (temporary,):
+            yield temporary
+            self._require_alone()
 
     def _line(self, record: EpochRecord, unit: float) -> dict:
         return {
@@ -214,19 +239,22 @@ class RunFolder:
 
     def _write_state(self, training: Training) -> None:
         state = training.state() | {"log": self.log, "seconds": self._elapsed()}
+        self._require_alone()
         write_state(self.folder / STATE, state, self.recipe)
         self._write_log()
         if training.ended or self.log[-1]["validation"] is not None:
             self._write_curves()
 
     def _write_log(self) -> None:
-        with staged(self.folder / LOG, overwrite=True) as (temporary,):
-            write_bytes(temporary, "".join(json.dumps(line) + "\n" for line in self.log).encode())
+        log = "".join(json.dumps(line) + "\n" for line in self.log).encode()
+        with self._writing(LOG) as temporary:
+            write_bytes(temporary, log)
+        self.logged = log
 
     def _write_curves(self) -> None:
         lines = {name: [line for line in self.log if line[name] is not None] for name in ("train", "validation")}
         curves = {name: ([r["epoch"] for r in rows], [r[name] for r in rows]) for name, rows in lines.items()}
-        with staged(self.folder / CURVES, overwrite=True) as (temporary,):
+        with self._writing(CURVES) as temporary:
             write_png(temporary, plot_curves({self.curve: curves}, y_label=self.axis))
 
 

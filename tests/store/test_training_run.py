@@ -39,10 +39,10 @@ def training(template):
     scales = 1 + 0.2 * np.random.default_rng(0).normal(size=(8, 1, 3))
     shapes = (template.vertices * scales).astype(np.float32)
 
-    def begin():
+    def begin(config=CONFIG):
         meshes = TrainingMeshes(Surface(UnitBox(template.vertices), template.faces), shapes[:6], shapes[6:])
-        network = HyperSiren(CONFIG.size(), torch.Generator().manual_seed(0))
-        return AutoDecoderTraining(network, meshes, CONFIG)
+        network = HyperSiren(config.size(), torch.Generator().manual_seed(0))
+        return AutoDecoderTraining(network, meshes, config)
 
     return begin
 
@@ -187,6 +187,38 @@ def test_an_input_is_no_output(tmp_path):
                 TrainingRun(tmp_path, RECIPE, beginning)
     assert (tmp_path / MODEL).read_text() == "mine"
     TrainingRun(tmp_path, RECIPE, Beginning(overwrite=True, inputs=(tmp_path / "others.safetensors",)))
+
+
+SEEDS = (CONFIG, replace(CONFIG, seed=1))
+ALONE = "expected to be the only training in this folder, found the log of another"
+
+
+def test_of_two_trainings_that_begin_at_once_the_later_is_refused(training, template, tmp_path):
+    first, second = (
+        TrainingRun(tmp_path, RECIPE | {"config": asdict(config)}, Beginning()).follow(training(config), template)
+        for config in SEEDS
+    )
+    next(first)
+    with pytest.raises(OutputError, match=ALONE):
+        next(second)
+    assert len(list(first)) == 3
+
+
+@pytest.mark.parametrize("epochs", [1, 2, 3])
+def test_a_training_whose_folder_another_took_is_refused(training, template, tmp_path, epochs):
+    recipes = [RECIPE | {"config": asdict(config)} for config in SEEDS]
+    first = TrainingRun(tmp_path, recipes[0], Beginning())
+    lines = first.follow(training(SEEDS[0]), template)
+    for _ in range(epochs):
+        next(lines)
+    second = TrainingRun(tmp_path, recipes[1], Beginning(overwrite=True))
+    list(second.follow(training(SEEDS[1]), template))
+    files = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(OutputError, match=ALONE):
+        list(lines)
+    with pytest.raises(OutputError, match=ALONE):
+        first.report({})
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == files
 
 
 def test_a_process_that_does_not_write_leaves_nothing(training, template, tmp_path):
