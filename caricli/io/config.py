@@ -29,8 +29,8 @@ def read_config(path: str | Path | None, cls: type[Settings], overrides: Sequenc
     """Read settings.
 
     path: a YAML file, or None for the defaults. cls: a dataclass whose fields are bool, int, float, str, list[T],
-    tuple[T, ...], tuple[T, U] or any of these with None. overrides: "key=value" texts that win over the file, each
-    value in YAML.
+    tuple[T, ...], tuple[T, U] or any of these with None. overrides: "key=value" texts of --set that win over the
+    file, each value in YAML.
     Returns an instance of cls.
     Raises InputError for tags, anchors, duplicate or unknown keys, a wrong type, a number that is not finite, a missing
     field, or a value that the class refuses with ValueError; of these UsageError where it is an override's.
@@ -40,20 +40,23 @@ def read_config(path: str | Path | None, cls: type[Settings], overrides: Sequenc
     fields: dict[str, dataclasses.Field] = {field.name: field for field in _init_fields(cls)}
     hints = {key: hint for key, hint in typing.get_type_hints(cls).items() if key in fields}
     settings = {key: _setting(key, value, hints, name) for key, value in values.items()}
+    own = dict(settings)
     for override in overrides:
         key, separator, text = override.partition("=")
         if not separator:
-            raise UsageError(f"expected key=value, found {shown(override, 60)!r}")
+            raise UsageError(f"--set: expected key=value, found {shown(override, 60)!r}")
         settings[key] = _override(key, text, hints)
     for key, field in fields.items():
         required = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
         if required and key not in settings:
             raise InputError(f"{name}: expected the key {key!r}, found none")
-    try:
+    refusal = _refusal(cls, settings)
+    if refusal is None:
         return cls(**settings)
-    except ValueError as error:
-        kind = UsageError if overrides else InputError
-        raise kind(f"{name}: {shown(error, 200)}") from error
+    if not overrides or refusal == _refusal(cls, own):
+        raise InputError(f"{name}: {refusal}")
+    given = " ".join(f"--set {shown(override, 60)}" for override in overrides)
+    raise UsageError(f"{given}: {refusal}")
 
 
 def settings_of(values: dict[str, Any], cls: type[Settings], name: str) -> Settings:
@@ -97,8 +100,19 @@ def _setting(key: str, value: Any, hints: dict[str, Any], name: str) -> Any:
         raise InputError(f"{name}: {key}: expected {expected}, found {shown(value, 60)!r}") from None
 
 
+def _refusal(cls: Any, settings: dict[str, Any]) -> str | None:
+    """What a class says against settings, or None; nothing against those that lack one."""
+    try:
+        cls(**settings)
+    except TypeError:
+        return None
+    except ValueError as error:
+        return shown(error, 200)
+    return None
+
+
 def _override(key: str, text: str, hints: dict[str, Any]) -> Any:
-    name = f"{shown(key, 60)}={shown(text, 60)}"
+    name = f"--set {shown(key, 60)}={shown(text, 60)}"
     if hints.get(key) is str:
         return text
     try:

@@ -6,7 +6,7 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from caricli.errors import InputError
+from caricli.errors import InputError, UsageError
 from caricli.io.config import read_config, read_yaml
 
 
@@ -140,10 +140,10 @@ def test_malformed(tmp_path, text, message):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("steps", "expected key=value, found 'steps'"),
+        ("steps", "--set: expected key=value, found 'steps'"),
         ("=3", "found the key ''"),
         ("speed=3", "found the key 'speed'"),
-        ("steps=x", "steps=x: steps: expected a whole number, found 'x'"),
+        ("steps=x", "--set steps=x: steps: expected a whole number, found 'x'"),
         ("steps=", "steps: expected a whole number"),
         ("steps=!!int 3", "found the tag"),
         ("widths=[1", "expected YAML"),
@@ -152,6 +152,20 @@ def test_malformed(tmp_path, text, message):
 def test_malformed_overrides(override, message):
     with pytest.raises(InputError, match=message):
         read_config(None, Settings, [override])
+
+
+def test_the_blame_is_on_what_is_refused(tmp_path):
+    limits = "steps: expected at least 1, found "
+    for text, overrides, kind, message in [
+        ("steps: 8", ("steps=0",), UsageError, f"--set steps=0: {limits}0"),
+        ("steps: 8", ("fast=true", "steps=0"), UsageError, f"--set fast=true --set steps=0: {limits}0"),
+        ("steps: -1", ("steps=0",), UsageError, f"--set steps=0: {limits}0"),
+        ("steps: 0", ("fast=true",), InputError, f"{tmp_path / 'a.yaml'}: {limits}0"),
+    ]:
+        with pytest.raises(kind) as caught:
+            read(tmp_path, text, overrides=overrides)
+        assert type(caught.value) is kind and str(caught.value) == message
+    assert read(tmp_path, "steps: 0", overrides=("steps=3",)).steps == 3
 
 
 def test_plain_yaml(tmp_path):
