@@ -15,6 +15,7 @@ from caricli import signals
 from caricli.errors import CaricliError, OutputError, shown
 
 _PREFIX = ".caricli-"
+_REPLACED = ".replaced-"
 _STAGING_FOLDER = re.compile(rf"{re.escape(_PREFIX)}[^/\s]*/")
 _WRITE_ERRORS = {
     errno.ENOSPC,
@@ -130,6 +131,21 @@ def check_folder(path: str | Path) -> None:
     """
     with _staging({Path(os.path.realpath(path))}):
         pass
+
+
+def staging_folders(folder: Path, names: Iterable[str]) -> list[Path]:
+    """Hidden folders in a folder in which files of some of these names are being written, or were by who was killed.
+
+    Those in which nothing is yet are left out: what they are for cannot be told.
+    """
+    possible = set(names)
+    folders = []
+    for path in folder.glob(f"{_PREFIX}*"):
+        with suppress(OSError):  # it may just have gone
+            inside = os.listdir(path)
+            if inside and all(name in possible or name.startswith(_REPLACED) for name in inside):
+                folders.append(path)
+    return folders
 
 
 @contextmanager
@@ -315,7 +331,7 @@ def _publish(files: Sequence[tuple[Path, Path, str | Path]], overwrite: bool) ->
             for temporary, final, path in files:
                 if _is_there(final) and not overwrite:
                     raise OutputError(f"{shown(path)} exists; give --overwrite to replace it")
-                backup = _keep(final, temporary.with_name(f".replaced-{len(moved)}"))
+                backup = _keep(final, temporary.with_name(f"{_REPLACED}{len(moved)}"))
                 moved.append((temporary, final, backup))
                 os.replace(temporary, final)
             signals.raise_if_asked()

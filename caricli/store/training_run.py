@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shutil
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -14,7 +15,7 @@ from caricli.data.dataset import Dataset
 from caricli.errors import InputError, OutputError, naming, shown
 from caricli.io.checkpoint import read_checkpoint, write_checkpoint
 from caricli.io.image import write_png
-from caricli.io.outputs import check_outputs, staged, write_bytes, writing
+from caricli.io.outputs import check_outputs, staged, staging_folders, write_bytes, writing
 from caricli.io.strict_json import format_json, take, write_json
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.evaluate.evaluate_shape import ShapeError, evaluate_splits
@@ -101,11 +102,14 @@ class RunFolder:
         self.log: list[dict] = []
         self.seconds = 0.0
         self.started = time.monotonic()
+        self.leftovers: list[Path] = []
+        """Of trainings that were killed while they wrote; but one may write still, so they go when this one is done."""
         self.logged: bytes | None = None
         """The log as this process last saw or wrote it: another one is of a training that writes here, too."""
         if self.writes:
             self._check_folder(beginning.inputs)
             self.logged = self._log_there()
+            self.leftovers = staging_folders(folder, FILES)
         path = folder / STATE
         if beginning.resume and path.exists():
             with _anew():
@@ -153,6 +157,8 @@ class RunFolder:
         }
         with self._writing(REPORT) as temporary:
             write_json(temporary, self.recipe | figures | about)
+        for path in self.leftovers:
+            shutil.rmtree(path, ignore_errors=True)
 
     def write_model(self, checkpoint: tuple[dict, dict]) -> None:
         """Write a model: tensors and metadata."""

@@ -221,6 +221,21 @@ def test_a_training_whose_folder_another_took_is_refused(training, template, tmp
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == files
 
 
+def test_what_a_killed_training_left_goes_when_one_is_done(training, template, tmp_path):
+    for place, name in (("half", STATE), ("done", ".replaced-0"), ("other", "face.obj")):
+        (tmp_path / f".caricli-{place}").mkdir()
+        (tmp_path / f".caricli-{place}" / name).write_text("half")
+    (tmp_path / ".caricli-empty").mkdir()  # of who has yet to write
+    run = TrainingRun(tmp_path, RECIPE, Beginning())
+    (tmp_path / ".caricli-later").mkdir()
+    (tmp_path / ".caricli-later" / STATE).write_text("half")
+    list(run.follow(training(), template))
+    assert (tmp_path / ".caricli-half").exists()
+    run.report({})
+    left = {path.name for path in tmp_path.iterdir()} - {*FILES}
+    assert left == {".caricli-other", ".caricli-empty", ".caricli-later"}
+
+
 def test_a_process_that_does_not_write_leaves_nothing(training, template, tmp_path):
     run = TrainingRun(tmp_path, RECIPE, Beginning(writes=False))
     lines = list(run.follow(training(), template))
