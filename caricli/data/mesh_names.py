@@ -1,5 +1,6 @@
 """Who a mesh shows, with which expression and how exaggerated, as the names of files say it."""
 
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -24,16 +25,22 @@ class MeshName:
     level: int = 1
 
 
+def normal_name(text: str) -> str:
+    """The one form of a name that is written the same: NFC of Unicode's, where macOS writes NFD, no blanks around."""
+    return unicodedata.normalize("NFC", text).strip()
+
+
 def read_mesh_name(stem: str) -> MeshName:
     """What the name of a file without its suffix says.
 
     ``anna__jawOpen__2`` is the person anna with the expression jawOpen at level 2; ``anna__jawOpen`` the same as it is,
-    and ``anna`` her neutral face. Expressions are spelt as ``expression_name`` does. A name that is an expression of
-    ARKit's, or means one (``eyeBlink_L``), is one of a person GENERIC, as is ``neutral`` and what starts
-    with ``generic_neutral``.
+    and ``anna`` her neutral face. Names have the form of ``normal_name``, expressions the spelling of
+    ``expression_name``. A name that is an expression of ARKit's, or means one (``eyeBlink_L``), is one of a person
+    GENERIC, as is ``neutral`` and what starts with ``generic_neutral``.
     Raises InputError for a level that is no whole number from 1.
     """
-    person, *rest = stem.split(BETWEEN)
+    stem = normal_name(stem)
+    person, *rest = map(normal_name, stem.split(BETWEEN))
     if not rest:
         if stem.lower() == NEUTRAL or stem.lower().startswith(f"{GENERIC}_{NEUTRAL}"):
             return MeshName(GENERIC)
@@ -56,7 +63,7 @@ def check_capitals(what: str, names: Iterable[str]) -> None:
     """Refuse names of whom or of what (``what``) that are another only by their capitals. Raises InputError."""
     first: dict[str, str] = {}
     for name in names:
-        other = first.setdefault(name.casefold(), name)
+        other = first.setdefault(normal_name(name).casefold(), name)
         if other != name:
             raise InputError(f"expected {what} of one spelling, found {shown(other, 40)!r} and {shown(name, 40)!r}")
 

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from caricli.data.dataset import SPLITS, read_dataset
-from caricli.data.import_dataset import ImportSettings, import_dataset, read_labels
+from caricli.data.import_dataset import ImportSettings, import_dataset
+from caricli.data.labels import read_labels
 from caricli.errors import CaricliError, InputError
 from caricli.io import npz
 from caricli.io.meshes.mesh import write_mesh
