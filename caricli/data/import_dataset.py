@@ -1,6 +1,7 @@
 """Anyone's registered meshes as a dataset."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -69,12 +70,7 @@ def import_dataset(
     progress: called with the number of files that are read and their total.
     Returns ImportSummary. Raises InputError.
     """
-    files = mesh_files(mesh_folder)
-    if len(files) < 2:
-        raise InputError(f"{mesh_folder}: expected at least two OBJ files or other meshes, found {len(files)}")
-    for path in files:
-        if not is_utf8(path.name):
-            raise InputError(f"{shown(path)}: expected a name in UTF-8, found another")
+    files = _files(mesh_folder)
     first, shapes = _read_meshes(files, progress)
     heights = np.ptp(shapes[..., 1], axis=1)
     with naming(mesh_folder):
@@ -106,11 +102,37 @@ def import_dataset(
     return ImportSummary(len(files), len(people), len(labels.expressions), unit, height, notes)
 
 
+def _files(folder: Path) -> list[Path]:
+    """The meshes of a folder, at least two, whose names are UTF-8."""
+    files = mesh_files(folder)
+    if len(files) < 2:
+        nested = _nested(folder)
+        beneath = f", and {nested} in sub-folders, which are not entered" if nested else ""
+        raise InputError(
+            f"{shown(folder)}: expected at least two OBJ files or other meshes, found {len(files)}{beneath}"
+        )
+    for path in files:
+        if not is_utf8(path.name):
+            raise InputError(f"{shown(path)}: expected a name in UTF-8, found another")
+    return files
+
+
+def _nested(folder: Path) -> int:
+    """How many meshes the sub-folders of a folder have that can be looked into."""
+    count = 0
+    for below in folder.iterdir():
+        with suppress(OSError):
+            count += sum(map(is_mesh_file, below.iterdir())) if below.is_dir() else 0
+    return count
+
+
 def _left_out(folder: Path, files: Sequence[Path]) -> list[str]:
-    """A line about the meshes of other formats than that of the files, where the folder has any."""
+    """A line each about the meshes of other formats than that of the files, and about those in sub-folders."""
     others = sum(map(is_mesh_file, folder.iterdir())) - len(files)
-    suffix = files[0].suffix.lower()
-    return [f"{folder}: took {len(files)} {suffix} files, left out {others} meshes of other formats"] if others else []
+    nested = _nested(folder)
+    took = f"{folder}: took {len(files)} {files[0].suffix.lower()} files, left out"
+    left = {"of other formats": others, "in sub-folders": nested}
+    return [f"{took} {count} meshes {where}" for where, count in left.items() if count]
 
 
 def _read_meshes(files: Sequence[Path], progress: Callable[[int, int], None]) -> tuple[Mesh, np.ndarray]:

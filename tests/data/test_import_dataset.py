@@ -73,6 +73,21 @@ def test_meshes_of_other_formats_that_are_left_out_are_told(barrels, out):
     assert summary.notes == (f"{folder}: took 9 .obj files, left out 3 meshes of other formats",)
 
 
+def test_meshes_in_sub_folders_are_told(barrels, out):
+    folder, _, annotation = barrels
+    (folder / "more").mkdir()
+    for number in (0, 1, 2):
+        (folder / f"scan_{number:02d}.obj").rename(folder / "more" / f"{number}.obj")
+    (folder / "more" / "notes.txt").touch()
+    assert import_dataset(folder, out, annotation).notes == (
+        f"{folder}: took 9 .obj files, left out 3 meshes in sub-folders",
+    )
+    for path in folder.glob("*.obj"):
+        path.unlink()
+    with pytest.raises(InputError, match="found 0, and 3 in sub-folders, which are not entered"):
+        import_dataset(folder, out, annotation)
+
+
 def test_meshes_too_large_for_one_file_are_written_into_several(barrels, out, monkeypatch):
     folder, shapes, annotation = barrels
     monkeypatch.setattr(npz, "MAX_NPZ_BYTES", 7000)
