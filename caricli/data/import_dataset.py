@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from caricli.data.alike import check_alike, check_own
 from caricli.data.dataset import split_names
 from caricli.data.labels import read_labels
 from caricli.data.units import UNITS, measured_unit
@@ -72,6 +73,7 @@ def import_dataset(
     """
     files = _files(mesh_folder)
     first, shapes = _read_meshes(files, progress)
+    check_alike(files, shapes)
     heights = np.ptp(shapes[..., 1], axis=1)
     with naming(mesh_folder):
         unit = settings.unit or measured_unit(heights)
@@ -85,6 +87,7 @@ def import_dataset(
     template = replace(template, parts=parts)
     with naming(labels_path or mesh_folder):
         labels = read_labels(labels_path, [path.name for path in files])
+    check_own(files, shapes, [name.person for name in labels.shown])
     columns = labels.columns() | {"file": np.array([path.name for path in files])}
     people = labels.people
     splits = split_names(people, settings.seed)

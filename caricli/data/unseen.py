@@ -151,6 +151,15 @@ def _with_splits(data: Dataset, splits: dict[str, list[int]]) -> Dataset:
     return replace(data, manifest=data.manifest | {"splits": splits})
 
 
+def measures(vertices: np.ndarray) -> bytes:
+    """How far the vertices (V, 3), metres, of an imported mesh lie from their centre along every axis: averages over
+    all of them, which the last digits in a file hardly change."""
+    vertices = vertices.astype(float)
+    away = vertices - vertices.mean(0)
+    lengths = np.concatenate([away.std(0), np.abs(away).mean(0)])
+    return repr(("measures/1", np.round(lengths / MEASURED_STEP).astype(int).tolist())).encode()
+
+
 def _marks(data: Dataset) -> dict[str, frozenset[str]]:
     """Fingerprints of everybody in a dataset by split."""
     return {split: frozenset().union(*fingerprints(data, split).values()) for split in SPLITS}
@@ -173,12 +182,7 @@ def _making(data: Dataset, row: int) -> bytes:
 
 
 def _measures(data: Dataset, row: int) -> bytes:
-    """How far the vertices of an imported mesh lie from their centre along every axis: averages over all of them, which
-    the last digits in a file hardly change."""
-    vertices = data.vertices[row].astype(float)
-    away = vertices - vertices.mean(0)
-    lengths = np.concatenate([away.std(0), np.abs(away).mean(0)])
-    return repr(("measures/1", np.round(lengths / MEASURED_STEP).astype(int).tolist())).encode()
+    return measures(data.vertices[row])
 
 
 def _shape(data: Dataset, row: int) -> bytes:
