@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from caricli.data.regular_face import has_partners
 from caricli.errors import InputError
 from caricli.structures import SeenPeople
 from caricli.structures.seen_people import KEY as PEOPLE
+from caricli.structures.seen_people import MAKING, MESHES
 
 DIGITS = 12
 """Hexadecimal ones of a fingerprint: among a million people two have the same by a chance of one in five hundred."""
@@ -63,12 +64,14 @@ def fingerprints(data: Dataset, split: str, older: bool = False) -> dict[int, fr
 
 def seen_people(data: Dataset) -> SeenPeople:
     """Whom a training on a Dataset sees."""
-    return SeenPeople(*(frozenset().union(*fingerprints(data, split).values()) for split in ("train", "validation")))
+    uses = ("train", "validation")
+    train, validation = (frozenset().union(*fingerprints(data, use).values()) for use in uses)
+    return SeenPeople(train, validation, frozenset({_told_by(data)}))
 
 
 def everybody(datasets: Sequence[Dataset]) -> SeenPeople:
     """Whom a training on datasets sees. Raises InputError where one trains with somebody whom another tries."""
-    return different_people([_marks(data) for data in datasets])
+    return replace(different_people([_marks(data) for data in datasets]), by=frozenset(map(_told_by, datasets)))
 
 
 def different_people(marks: Sequence[Mapping[str, frozenset[str]]]) -> SeenPeople:
@@ -137,6 +140,13 @@ def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: 
     silent = [name for name, own in seen.items() if own is None]
     if silent:
         notes.append(f"{', '.join(silent)}: no word of whom they were trained with, who may be among the test people")
+    strange = [name for name, own in seen.items() if own is not None and not _comparable(data, own)]
+    if strange:
+        one, other = ("generated", "imported") if _told_by(data) == MESHES else ("imported", "generated")
+        notes.append(
+            f"{', '.join(strange)}: trained with {one} people, who cannot be told among {other} ones and may be among "
+            "the test people"
+        )
     return UnseenData(_with_splits(data, kept), left, len(people), "; ".join(notes) or None)
 
 
@@ -149,6 +159,20 @@ def _without_nobody(data: Dataset) -> Dataset:
 
 def _with_splits(data: Dataset, splits: dict[str, list[int]]) -> Dataset:
     return replace(data, manifest=data.manifest | {"splits": splits})
+
+
+def _told_by(data: Dataset) -> str:
+    """What the fingerprints of a dataset's people are of."""
+    return MAKING if has_partners(data) else MESHES
+
+
+def _comparable(data: Dataset, own: SeenPeople) -> bool:
+    """Whether all whom a model has seen would be told among the people of a dataset."""
+    if own.by == {MAKING} and _told_by(data) == MESHES:
+        # A recipe of before does not say that its fingerprints are of meshes; that they are here does.
+        here = (fingerprints(data, split, older=True).values() for split in SPLITS)
+        return bool(frozenset().union(*chain.from_iterable(here)) & (own.train | own.validation))
+    return own.by == {_told_by(data)}
 
 
 def measures(vertices: np.ndarray) -> bytes:

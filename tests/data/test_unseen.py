@@ -145,7 +145,28 @@ def test_imported_people_of_older_recipes_are_seen(barrels, tmp_path):
     old = {hashlib.sha256(shape.tobytes()).hexdigest()[:12] for shape in data.vertices[:3]}
     tested = with_splits(data, test=list(range(12)))
     unseen = unseen_data(tested, {"old": SeenPeople(frozenset(old))})
+    assert unseen.note == "test split: 9 of 12 people, without those whom old saw"
     assert unseen.data.manifest["splits"]["test"] == list(range(3, 12))
+
+
+def test_generated_and_imported_people_who_meet_are_told(barrels, eight, tmp_path):
+    (tmp_path / "out").mkdir()
+    import_dataset(barrels[0], tmp_path / "out", barrels[2])
+    imported = with_splits(read_dataset(tmp_path / "out"), train=[0, 1, 2], test=[3, 4])
+    generated = with_splits(eight, train=[0, 1, 2], test=[3, 4])
+    by_making, by_meshes = seen_people(generated), seen_people(imported)
+    seen = {"made": by_making, "scans": by_meshes}
+    assert unseen_data(imported, seen).note == (
+        "made: trained with generated people, who cannot be told among imported ones and may be among the test people"
+    )
+    note = unseen_data(generated, seen).note
+    assert note is not None and note.startswith("scans: trained with imported people")
+    both = seen_together([generated, imported])
+    for data in (generated, imported):
+        assert "both: trained with" in str(unseen_data(data, {"both": both}).note)
+    # A recipe of before does not say what its fingerprints are of.
+    older = SeenPeople(by_meshes.train)
+    assert unseen_data(imported, {"older": older}).note is None
 
 
 def test_who_was_trained_with_leaves_the_tests_and_who_remains_is_counted(eight):

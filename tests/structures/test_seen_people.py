@@ -12,6 +12,16 @@ def test_a_recipe_gives_them_back():
     assert SeenPeople.of_recipe(SeenPeople(frozenset()).as_recipe()) == SeenPeople(frozenset())
 
 
+def test_a_recipe_says_what_fingerprints_are_of_where_it_is_not_what_heads_are_made_of():
+    for by in ({"meshes"}, {"making", "meshes"}):
+        people = SeenPeople(frozenset({"aa"}), by=frozenset(by))
+        assert people.as_recipe()["people_by"] == " ".join(sorted(by))
+        assert SeenPeople.of_recipe(people.as_recipe()) == people
+    for by in ("", "names", ["meshes"], None):
+        with pytest.raises(InputError, match="people_by: expected making or meshes or both, found"):
+            SeenPeople.of_recipe(PEOPLE.as_recipe() | {"people_by": by})
+
+
 def test_an_older_recipe_says_nothing():
     assert SeenPeople.of_recipe({"seed": 0}) is None and SeenPeople.of_recipe(None) is None
 
