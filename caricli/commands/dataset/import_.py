@@ -34,7 +34,8 @@ def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
     and the first that has UVs gives these; the template is the mean shape. Whom a file shows, with which expression and
     how exaggerated (level 1 is not), is in the table, or else in its name, such as anna__jawOpen__2.obj,
     anna__jawOpen.obj, anna.obj. The unit is told by how high the heads are; the dataset is in metres. Names and seed
-    say who is trained with and who tests, so that most stay where they were when others come in.
+    say who is trained with and who tests, so that most stay where they were when others come in. A mesh that is far
+    from the size, the place or the direction of the others is refused, and so is one that two people have.
 
     \b
     Example:
