@@ -170,7 +170,9 @@ class _Reader:
         if self.size is None:
             size, strokes = _around(strokes)
             return Sketch(tuple(strokes), size)
-        return Sketch(tuple(stroke for stroke in strokes if _meets(stroke, self.size)), self.size)
+        # Where all of it lies beside the canvas, who reads it is to be told so.
+        seen = [stroke for stroke in strokes if _meets(stroke, self.size)] or strokes
+        return Sketch(tuple(seen), self.size)
 
     def _walk(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
         self.visits += 1

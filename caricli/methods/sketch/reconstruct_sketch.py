@@ -22,6 +22,7 @@ from caricli.methods.sketch.model_coarse import CoarseFace, model_coarse
 from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
 from caricli.methods.sketch.network_coarse import network_coarse
 from caricli.methods.sketch.settings import ELASTIC, FollowSettings
+from caricli.methods.sketch.sides_exchanged import sides_exchanged
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 from caricli.structures.sketch import Sketch, StrokeKind
@@ -54,8 +55,9 @@ class SketchFit:
     the way to the lines. asked: the share that was asked for, more than ``share`` where that would tear the surface.
     unsure: share of the strokes that do not say what they draw and seem to draw no line of a face. doubted: mean
     distance of the likeliest face from the lines, percent of the canvas, from which on it is doubtful that they show
-    one. begun: with what, of COARSE, or ELASTIC. left: curves whose strokes were left again, because no face that meets
-    the others comes near them.
+    one. begun: with what, of COARSE, or ELASTIC. exchanged: see ``sides_exchanged``. unlikely: whether the face is more
+    unusual than any that is meant. left: curves whose strokes were left again, because no face that meets the others
+    comes near them.
     """
 
     face: Face
@@ -71,6 +73,8 @@ class SketchFit:
     unsure: float
     doubted: float
     begun: str
+    exchanged: bool
+    unlikely: bool
     left: tuple[str, ...] = ()
 
     @property
@@ -95,6 +99,8 @@ class SketchFit:
             "strange": self.strange,
             "prior_rms": self.prior_rms,
             "unsure": self.unsure,
+            "unlikely": self.unlikely,
+            "sides_exchanged": self.exchanged,
             "left": list(self.left),
             "strokes": [{"kind": str(stroke.kind), "curve": stroke.curve} for stroke in self.sketch.strokes],
         }
@@ -107,6 +113,10 @@ class SketchFit:
             told.append("begun with an elastic face, as no usual one comes near the lines")
         if self.strange:
             told.append("doubtful: so far from any face lines are of something else")
+        if self.exchanged:
+            told.append("doubtful: its left and right lie as if exchanged; they are the subject's")
+        if self.unlikely:
+            told.append("doubtful: more unusual than any face that is meant, so some lines were taken for others")
         if self.unsure > _UNSURE:
             told.append(f"doubtful: {100 * self.unsure:.0f} % of the strokes without a name are no lines of a face")
         if self.left:
@@ -207,6 +217,7 @@ class SketchReconstruction:
         doubted = self._settings.strange * _scale(before, max(sketch.size))
         if unsure > _UNSURE and share and not followed and likely["all"] <= doubted:
             raise InputError("expected lines of a face, found most of them none of it and the others tearing it apart")
+        prior_rms = float(self.model.prior.rms(coarse.require_latent()))
         landmarks = camera.project(face.vertices[self.model.template.annotation.landmarks])
         after = self._curves(face)
         distances = _distances(lines, after, max(sketch.size))
@@ -218,7 +229,9 @@ class SketchReconstruction:
             errors=_means(distances),
             worst=max((float(each.max()) for each in distances.values()), default=0.0),
             flipped=self._flipped(face),
-            prior_rms=float(self.model.prior.rms(coarse.require_latent())),
+            prior_rms=prior_rms,
+            unlikely=prior_rms > self._settings.unlikely,
+            exchanged=sides_exchanged(sketch),
             share=followed,
             asked=share,
             unsure=unsure,
