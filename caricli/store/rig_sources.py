@@ -3,17 +3,22 @@
 from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from caricli.errors import naming
 from caricli.io.face import read_face, read_picture_names
 from caricli.io.gltf.format import SUFFIXES
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
 from caricli.io.image import read_image
-from caricli.io.meshes.mtl import EYES, material_pictures
+from caricli.io.meshes.mtl import material_pictures
+from caricli.io.meshes.obj import read_painted_obj
 from caricli.io.npz import read_npz, text_of
 from caricli.io.rig import SCHEMA as RIG_SCHEMA
 from caricli.io.rig import read_rig
 from caricli.io.worn import PictureNames
 from caricli.structures import Face, Material, Pictures, Rig
+from caricli.structures.materials import material_named
+from caricli.structures.pictures import PICTURED
 
 EYES_FILE = "eyes.png"
 """Name of the picture of the eyes beside that of the skin."""
@@ -48,7 +53,8 @@ class PictureSources:
 
 def picture_sources(face: Path, texture: Path | None = None) -> PictureSources:
     """The pictures on a face: what the NPZ names, or the OBJ, itself or beside the NPZ; and of the eyes what they name,
-    or the `eyes.png` beside the skin's, as of the bust `bust.png`.
+    or the `eyes.png` beside the skin's, as of the bust `bust.png`. In an OBJ the skin is what has no name of another
+    Material, and of several pictures the one on most polygons.
 
     face: path of an OBJ or NPZ. texture: path of a picture of the skin in the place of its own, or None; it brings the
     eyes and the bust that are beside it, and a bust in the colours of another skin is left.
@@ -67,11 +73,13 @@ def _own_sources(face: Path) -> PictureSources:
             return PictureSources(*(None if name is None else face.with_name(name) for name in names))
     mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
     named = material_pictures(mesh) if mesh.is_file() else {}
-    eyes = named.pop(EYES, None)
-    skin = next(iter(named.values()), None)
+    kinds = ((PICTURED.get(material_named(name)), path) for name, path in reversed(named.items()))
+    sources = PictureSources(**{kind: path for kind, path in kinds if kind is not None})
+    skin = sources.skin
     if skin is None:
-        return PictureSources(None, eyes)
-    return PictureSources(skin, eyes or _beside(skin, EYES_FILE), bust=_beside(skin, BUST_FILE))
+        return sources
+    bust = sources.bust or _beside(skin, BUST_FILE)
+    return replace(sources, eyes=sources.eyes or _beside(skin, EYES_FILE), bust=bust)
 
 
 def _beside(path: Path, name: str) -> Path | None:
@@ -90,11 +98,19 @@ def load_shown_face(path: Path) -> Face:
         return _gltf_face(path)
     if suffix == ".npz" and text_of(read_npz(path).get("schema")) == RIG_SCHEMA:
         return read_rig(path).face
-    face = read_face(path)
+    face = _obj_face(path) if suffix == ".obj" else read_face(path)
     if face.mesh.uvs is None or face.pictures:
         return face
     with naming(path):
         return replace(face, pictures=picture_sources(path).load())
+
+
+def _obj_face(path: Path) -> Face:
+    """The mesh of an OBJ and what its polygons are of."""
+    mesh, names = read_painted_obj(path)
+    kinds = {name: material_named(name) for name in set(names)}
+    materials = np.array([kinds[name] for name in names], np.int32)
+    return Face(mesh, materials=materials if materials.any() else None)
 
 
 def _gltf_face(path: Path) -> Face:

@@ -1,5 +1,6 @@
 """What polygons are made of."""
 
+import re
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -58,6 +59,13 @@ FINISHES = {
 
 MATERIALS = {finish.name: material for material, finish in FINISHES.items()}
 """Materials by their names in files."""
+
+_NUMBER = re.compile(r"\.\d{3}$")
+
+
+def material_named(name: str) -> Material:
+    """The Material of a name in a file, skin where it is another; Blender calls the second ``eyes.001``."""
+    return MATERIALS.get(_NUMBER.sub("", name), Material.SKIN)
 
 
 _GREY, _COLOURED = 4.0, 16.0

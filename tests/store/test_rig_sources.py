@@ -8,7 +8,7 @@ from caricli.io.image import write_png
 from caricli.io.meshes.obj import write_obj
 from caricli.store.any_file import files_beside
 from caricli.store.rig_sources import PictureSources, load_pictures, load_shown_face, picture_sources
-from caricli.structures import Face, Mesh, Pictures, Rig
+from caricli.structures import Face, Material, Mesh, Pictures, Rig
 
 
 def test_a_file_is_named_once_where_its_material_leads_away(tmp_path):
@@ -45,6 +45,37 @@ def test_eyes_and_bust_lie_beside_the_picture_of_the_skin(tmp_path):
         write_png(tmp_path / name, np.zeros((4, 4, 3), np.uint8))
         assert picture_sources(tmp_path / "face.obj") == picture_sources(tmp_path / "face.npz") == sources
     assert picture_sources(tmp_path / "face.obj", skin) == sources
+
+
+def test_every_polygon_of_an_obj_wears_what_its_material_names(tmp_path):
+    faces = np.tile([[0, 1, 2]], (4, 1))
+    mesh = Mesh(np.eye(3), faces, np.eye(3)[:, :2], faces)
+    materials = np.array([Material.SKIN, Material.EYE, Material.TEETH, Material.HAIR], np.int32)
+    names = {"skin": "s.png", "eyes": "e.png", "hair": "h.png", "bust": "b.png"}
+    for k, name in enumerate(names.values()):
+        write_png(tmp_path / name, np.full((4, 4, 3), k, np.uint8))
+    write_obj(tmp_path / "a.obj", mesh, "s.png", others=names, materials=materials)
+    text = (tmp_path / "a.obj").read_text()
+    (tmp_path / "a.obj").write_text(text.replace("usemtl hair", "usemtl hair.001"))
+    mtl = tmp_path / "a.mtl"
+    mtl.write_text(mtl.read_text().replace("newmtl hair", "newmtl hair.001"))
+    face = load_shown_face(tmp_path / "a.obj")
+    np.testing.assert_array_equal(face.materials, materials)
+    assert [picture.max() for picture in face.pictures] == [0, 1, 2, 3]
+
+
+def test_the_skin_of_an_obj_is_the_picture_of_most_polygons(tmp_path):
+    """In whatever order the materials stand, and of whatever names; those all of skin say nothing of it."""
+    points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+    face = "f 1/1 2/2 3/3\n"
+    mtl = [f"newmtl {name}\nmap_Kd {name}.png\n" for name in ("hair", "shirt", "head")]
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{points}usemtl shirt\n{face}usemtl head\n{2 * face}")
+    for order in (mtl, mtl[::-1]):
+        (tmp_path / "a.mtl").write_text("".join(order))
+        assert picture_sources(tmp_path / "a.obj").skin == tmp_path / "head.png"
+    for name in ("hair", "head"):
+        write_png(tmp_path / f"{name}.png", np.zeros((4, 4, 3), np.uint8))
+    assert load_shown_face(tmp_path / "a.obj").materials is None
 
 
 def test_another_skin_leaves_eyes_and_hair_as_they_are(tmp_path):

@@ -1,6 +1,5 @@
 """The materials of a glTF document: what they are of, their pictures, and where a surface lies in these."""
 
-import re
 import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,13 +14,12 @@ from caricli.io.gltf.scene import numbers
 from caricli.io.image import read_image
 from caricli.io.outputs import write_bytes
 from caricli.io.strict_json import take, take_whole
-from caricli.structures.materials import MATERIALS, Material
+from caricli.structures.materials import Material, material_named
 
 _WEBP = "EXT_texture_webp"
 _TRANSFORM = "KHR_texture_transform"
 _SEEN_THROUGH = ("MASK", "BLEND")
 _MOST_SETS = 16
-_NUMBER = re.compile(r"\.\d{3}$")
 
 
 @dataclass(frozen=True)
@@ -50,9 +48,9 @@ def material_of(document: Document, primitive: dict) -> dict:
 
 
 def kind_of(material: dict) -> Material:
-    """The Material of a material of a file, skin where it is of another name; Blender calls the second ``eyes.001``."""
+    """The Material of a material of a file by its name, skin where it has none."""
     name = material.get("name")
-    return MATERIALS.get(_NUMBER.sub("", name), Material.SKIN) if isinstance(name, str) else Material.SKIN
+    return material_named(name) if isinstance(name, str) else Material.SKIN
 
 
 def placing_of(material: dict) -> Placing:

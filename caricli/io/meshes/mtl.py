@@ -2,6 +2,8 @@
 
 import codecs
 import os
+import re
+from collections import Counter
 from pathlib import Path
 
 from caricli.errors import InputError, naming, shown
@@ -9,23 +11,24 @@ from caricli.io.files import read_bytes
 from caricli.io.worn import is_plain
 from caricli.limits import MAX_CONFIG_BYTES, MAX_FILE_BYTES
 
-EYES = "eyes"
-"""Name of the material of eyes."""
+_USED = re.compile(rb"^usemtl[ \t]+(.*?)\s*$", re.MULTILINE)
 
 
 def material_pictures(path: str | Path) -> dict[str, Path]:
     """Find the diffuse pictures of an OBJ file: every `map_Kd` of its first `mtllib`, all in the OBJ's own folder or in
     folders below it.
 
-    Returns paths of pictures by the name of their material, in the file's order; none for any other kind of file, and
-    where the library is not there, as where a mesh was copied alone.
+    Returns paths of pictures by the name of their material, that of most polygons first, else in the file's order; none
+    for any other kind of file, and where the library is not there, as where a mesh was copied alone.
     Raises InputError when a file cannot be read, or a name leads out of the folder.
     """
     library = material_library(path)
     # Not by the path's own method, which fails at names too long for any file.
     if library is None or not os.path.exists(library):
         return {}
-    return _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
+    pictures = _named(read_bytes(library, MAX_CONFIG_BYTES, "a material file"), b"map_Kd", library)
+    polygons = _polygon_counts(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"))
+    return {name: pictures[name] for name in sorted(pictures, key=lambda name: -polygons[name])}
 
 
 def material_library(path: str | Path) -> Path | None:
@@ -34,6 +37,15 @@ def material_library(path: str | Path) -> Path | None:
     if Path(path).suffix.lower() != ".obj":
         return None
     return next(iter(_named(read_bytes(path, MAX_FILE_BYTES, "an OBJ file"), b"mtllib", path).values()), None)
+
+
+def _polygon_counts(data: bytes) -> Counter[str]:
+    """How many polygons of an OBJ file are of every material."""
+    counts: Counter[str] = Counter()
+    parts = _USED.split(data)
+    for name, lines in zip(parts[1::2], parts[2::2], strict=True):
+        counts[name.decode("utf-8", "replace")] += lines.count(b"\nf")
+    return counts
 
 
 def _named(data: bytes, key: bytes, path: str | Path) -> dict[str, Path]:

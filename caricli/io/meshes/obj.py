@@ -34,7 +34,7 @@ _MAX_LINE_BYTES = 8192
 _BLOCK_ROWS = 16384
 # Everything else that the format knows; none of it changes the surface.
 _IGNORED = set(
-    b"vn vp g o s mg usemtl mtllib l p cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con bevel "
+    b"vn vp g o s mg mtllib l p cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con bevel "
     b"c_interp d_interp lod shadow_obj trace_obj ctech stech maplib usemap call csh".split()
 )
 _CORNERS = {
@@ -56,6 +56,11 @@ def read_obj(path: str | Path) -> Mesh:
     is 0 or out of range, when a face repeats a vertex or has fewer than 3 or more than MAX_POLYGON_CORNERS corners,
     and when there are no vertices or no faces.
     """
+    return read_painted_obj(path)[0]
+
+
+def read_painted_obj(path: str | Path) -> tuple[Mesh, list[str]]:
+    """Read an OBJ file as ``read_obj`` does, and the names of the materials of its polygons, (P,), "" without one."""
     data = read_bytes(path, MAX_FILE_BYTES, _KIND)
     with naming(path):
         other = content_kind(data)
@@ -71,8 +76,8 @@ def read_obj(path: str | Path) -> Mesh:
         uvs = records.uvs.coordinates() if records.uvs.words else np.zeros((0, 2))
         polygons, uv_polygons = records.faces.polygons(len(vertices), len(uvs))
         if uv_polygons is None:
-            return Mesh(vertices, polygons)
-        return Mesh(vertices, polygons, uvs, uv_polygons)
+            return Mesh(vertices, polygons), records.faces.materials
+        return Mesh(vertices, polygons, uvs, uv_polygons), records.faces.materials
 
 
 def write_obj(
@@ -204,6 +209,7 @@ class _Faces:
         self.numbers: list[int] = []
         self.vertices_above: list[int] = []
         self.uvs_above: list[int] = []
+        self.materials: list[str] = []
 
     def fail(self, row: int, expected: str) -> NoReturn:
         _fail(self.numbers[row], expected, b"f " + self.corners[row])
@@ -292,6 +298,7 @@ class _Records:
         self.vertices = _Coordinates(b"v", 3, 7)
         self.uvs = _Coordinates(b"vt", 2, 3)
         self.faces = _Faces()
+        self.material = ""
 
     def read(self, data: bytes) -> None:
         """Take all lines of a file."""
@@ -300,6 +307,9 @@ class _Records:
         for number, line in _logical_lines(data):
             words = line.split(None, 1)
             if not words or words[0].startswith(b"#") or words[0] in _IGNORED:
+                continue
+            if words[0] == b"usemtl":
+                self.material = words[1].strip().decode("utf-8", "replace") if len(words) > 1 else ""
                 continue
             if words[0] not in (b"v", b"vt", b"f"):
                 _fail(number, "an OBJ keyword", words[0])
@@ -317,6 +327,7 @@ class _Records:
         faces.numbers.append(number)
         faces.vertices_above.append(len(self.vertices.numbers))
         faces.uvs_above.append(len(self.uvs.numbers))
+        faces.materials.append(self.material)
         if len(faces.corners) > MAX_POLYGONS:
             _fail(number, f"at most {MAX_POLYGONS} faces", line)
 

@@ -6,7 +6,7 @@ from hypothesis.extra.numpy import arrays
 
 from caricli.errors import InputError, OutputError
 from caricli.io.meshes import obj
-from caricli.io.meshes.obj import read_obj, write_obj
+from caricli.io.meshes.obj import read_obj, read_painted_obj, write_obj
 from caricli.structures import Material, Mesh
 from caricli.structures.checks import are_apart
 from caricli.structures.materials import FINISHES
@@ -206,6 +206,13 @@ def test_eyes_are_a_material_of_their_own(tmp_path):
     assert [text.split()[0] for text in texts] == ["face", "eyes"]
     assert "map_Kd" not in texts[0] and "map_Kd iris.png" in texts[1]
     np.testing.assert_array_equal(read_obj(tmp_path / "a.obj").polygons, mesh.polygons)
+
+
+def test_polygons_are_of_the_material_that_was_named_last(tmp_path):
+    lines = ["f 1 2 3", "usemtl my skin ", "f 1 2 3", "o x", "f 1 2 3", "usemtl eyes", "f 1 2 3", "usemtl", "f 1 2 3"]
+    (tmp_path / "a.obj").write_text(TRIANGLE + "\n".join(lines))
+    _, names = read_painted_obj(tmp_path / "a.obj")
+    assert names == ["", "my skin", "my skin", "eyes", ""]
 
 
 def test_texture_and_material(tmp_path):
