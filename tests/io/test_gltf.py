@@ -546,6 +546,65 @@ def test_an_animation_is_stored_as_it_is(full_rig, tmp_path):
     np.testing.assert_allclose(stored["rotation"], moving.rotations, atol=1e-6)
 
 
+def stood(folder, rig, turned, nodes, animation=None):
+    """The rig as it comes back from a file in which it is ``turned`` (3,3), under nodes whose mesh is the first's."""
+    mesh = rig.mesh.with_vertices((rig.neutral @ turned.T).astype(np.float32))
+    write_gltf(folder / "a.glb", replace(rig, mesh=mesh, deltas=rig.deltas @ turned.T), animation=animation)
+    document, binary = taken_apart(folder / "a.glb")
+    document["nodes"] = [document["nodes"][0] | nodes[0], *nodes[1:]]
+    document["scenes"][0]["nodes"] = [len(nodes) - 1]
+    put_together(folder / "b.glb", document, binary)
+    return read_gltf(folder / "b.glb")
+
+
+LYING = {"rotation": [-(0.5**0.5), 0, 0, 0.5**0.5]}
+"""A node whose mesh has +z up."""
+
+
+@pytest.mark.parametrize(
+    "nodes",
+    [[LYING | {"scale": [0.01] * 3, "translation": [0, 9, 0]}],
+     [{"scale": [0.1] * 3}, LYING | {"scale": [0.1] * 3, "children": [0]}],
+     [{"matrix": [0.01, 0, 0, 0, 0, 0, -0.01, 0, 0, 0.01, 0, 0, 0, 0, 0, 1]}]],
+)  # fmt: skip
+def test_a_head_is_put_right_by_its_nodes(full_rig, tmp_path, nodes):
+    """In centimetres, +z up; where it is says nothing."""
+    up = 100 * np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], np.float32)
+    back = stood(tmp_path, full_rig, up, nodes)
+    np.testing.assert_allclose(back.neutral, full_rig.neutral, atol=1e-6)
+    np.testing.assert_allclose(back.deltas, full_rig.deltas, atol=1e-6)
+    np.testing.assert_array_equal(back.faces, full_rig.faces)
+    np.testing.assert_allclose(read_gltf_mesh(tmp_path / "b.glb").vertices, full_rig.neutral, atol=1e-6)
+
+
+def test_a_head_that_its_node_mirrors_is_not_inside_out(full_rig, tmp_path):
+    back = stood(tmp_path, full_rig, np.eye(3, dtype=np.float32), [{"scale": [-1, 1, 1]}])
+    np.testing.assert_array_equal(back.neutral, full_rig.neutral * [-1, 1, 1])
+    np.testing.assert_array_equal(back.deltas, full_rig.deltas * np.float32([-1, 1, 1]))
+    np.testing.assert_array_equal(back.faces, full_rig.faces[:, ::-1])
+    corners = full_rig.mesh.uvs[full_rig.mesh.uv_faces][:, ::-1]
+    np.testing.assert_allclose(back.mesh.uvs[back.mesh.uv_polygons], corners, atol=1e-6)
+
+
+def test_what_an_animation_moves_is_not_how_a_head_stands(full_rig, tmp_path):
+    """Such as the first turn of a head, which programs write to its node; the rest still counts."""
+    moving = movement(full_rig)
+    half = stood(tmp_path, full_rig, 2 * np.eye(3, dtype=np.float32), [LYING | {"scale": [0.5] * 3}], moving)
+    np.testing.assert_array_equal(half.neutral, full_rig.neutral)
+    np.testing.assert_array_equal(half.deltas, full_rig.deltas)
+
+
+def test_names_of_targets_that_are_gone_are_no_expressions(full_rig, tmp_path):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    for primitive in document["meshes"][0]["primitives"]:
+        del primitive["targets"]
+    put_together(tmp_path / "a.glb", document, binary)
+    back = read_gltf(tmp_path / "a.glb")
+    assert back.names == () and back.deltas.shape == (0, *full_rig.neutral.shape)
+    np.testing.assert_array_equal(read_gltf_mesh(tmp_path / "a.glb").faces, full_rig.faces)
+
+
 def test_the_same_rig_gives_the_same_bytes(full_rig, tmp_path):
     for name in ("a", "b"):
         write_gltf(tmp_path / f"{name}.glb", full_rig, animation=movement(full_rig))

@@ -13,7 +13,7 @@ from caricli.io.gltf.container import read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
 from caricli.io.gltf.materials import Placing, kind_of, material_of, picture_of, placing_of
-from caricli.io.gltf.scene import node_placements, node_transform
+from caricli.io.gltf.scene import mesh_stance, node_placements, node_transform
 from caricli.io.gltf.variants import moods_of
 from caricli.io.strict_json import take, take_whole
 from caricli.limits import MAX_CORNERS, MAX_NPZ_BYTES, MAX_SHAPES, MAX_VERTICES
@@ -30,8 +30,8 @@ def read_gltf(path: str | Path) -> Rig:
     """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
 
     Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
-    them, where these put them. Transforms of its own node and those above are left aside: the neutral and its
-    displacements stay in the mesh's own frame, as they are stored. Of the materials the base colour's picture is read,
+    them, where these put them. Its node and those above it turn, scale and mirror it, but for what an animation moves;
+    where its node is says nothing, for there the head turns. Of the materials the base colour's picture is read,
     where it is embedded; UVs are those that it lies by. Materials named as ours say what they are of. Variants of the
     skin's material, with pictures as large as its own, are moods; its changes are read. Skins, animations and weights
     are left aside.
@@ -206,13 +206,17 @@ def _rig(document: Document, mesh: dict, own: list[dict]) -> Rig:
         with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
             positions[where] = positions[where] @ placement[:3, :3].T + placement[:3, 3]
         part[:] = _outwards(part, placement)
+    stance = mesh_stance(document, mesh)
+    for part in surface.triangles:
+        part[:] = _outwards(part, stance)
+    positions = _stood(positions, stance)
     kept = np.arange(len(positions))
     place = kept
     if surface.has(SOURCE_VERTEX):
         kept, place = _merged(surface.attribute(document, SOURCE_VERTEX, 1)[:, 0], positions)
     deltas = np.empty((len(names), len(kept), 3), np.float32)
     for k, delta in enumerate(deltas):
-        delta[:] = surface.displacements(document, k)[kept]
+        delta[:] = _stood(surface.displacements(document, k)[kept], stance)
     triangles = np.concatenate(surface.triangles)
     uvs = surface.uvs(document)
     uv_faces = None if uvs is None else triangles.astype(np.int32)
@@ -220,8 +224,18 @@ def _rig(document: Document, mesh: dict, own: list[dict]) -> Rig:
     return Rig(names, neutral, deltas, **_looks(document, primitives, surface))
 
 
+def _stood(vectors: np.ndarray, stance: np.ndarray) -> np.ndarray:
+    """Vectors (V,3) after a transform (3,3), float32; themselves, to the bit, where it is the identity."""
+    if np.array_equal(stance, np.eye(3)):
+        return vectors
+    with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
+        return (vectors @ stance.T).astype(np.float32)
+
+
 def _target_names(mesh: dict, count: int) -> tuple[str, ...]:
-    """The names of the targets, which glTF leaves to custom."""
+    """The names of the targets, which glTF leaves to custom; where there are none, names are what is left of some."""
+    if not count:
+        return ()
     extras = mesh.get("extras")
     names = extras.get("targetNames") if isinstance(extras, dict) else None
     if names is None:
@@ -339,7 +353,7 @@ def _scene_mesh(document: Document) -> Mesh:
 
 
 def _outwards(triangles: np.ndarray, placement: np.ndarray) -> np.ndarray:
-    """Triangles (F,3) after a transform (4,4): a mirror turns them inside out."""
+    """Triangles (F,3) after a transform (3,3) or (4,4): a mirror turns them inside out."""
     with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
         is_mirror = np.linalg.det(placement[:3, :3]) < 0
     return triangles[:, ::-1] if is_mirror else triangles

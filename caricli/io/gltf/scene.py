@@ -1,6 +1,6 @@
 """Where the nodes of a glTF scene put their meshes."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -12,9 +12,27 @@ from caricli.structures.checks import shape_problem
 _MAX_NODES = 16384
 
 
-def node_placements(document: Document) -> Iterator[tuple[dict, np.ndarray]]:
+def mesh_stance(document: Document, mesh: dict) -> np.ndarray:
+    """How the first node with a mesh and those above it turn, scale and mirror it: (3,3), the identity where it is in
+    no scene. What an animation moves is left aside, and so is where the node is.
+
+    Raises InputError as ``node_placements``.
+    """
+    moving: dict[int, set[str]] = {}
+    for animation in take(document.content, "animations", list, []):
+        for channel in take(animation, "channels", list, []) if isinstance(animation, dict) else ():
+            target = take(channel, "target", dict, {}) if isinstance(channel, dict) else {}
+            moving.setdefault(target.get("node", -1), set()).add(str(target.get("path")))
+    placements = node_placements(document, moving)
+    return next((placement for other, placement in placements if other is mesh), np.eye(4))[:3, :3]
+
+
+def node_placements(
+    document: Document, without: Mapping[int, Collection[str]] | None = None
+) -> Iterator[tuple[dict, np.ndarray]]:
     """The meshes of the scene with the transform (4,4) of each of their nodes; all meshes where there is no scene.
 
+    without: by the numbers of nodes, what of their transforms does not count.
     Raises InputError when the nodes are no tree, too many, or a transform is none.
     """
     content = document.content
@@ -31,15 +49,19 @@ def node_placements(document: Document) -> Iterator[tuple[dict, np.ndarray]]:
             raise InputError(f"nodes: expected a tree of at most {_MAX_NODES} nodes, found another")
         visited.add(number)
         with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
-            placement = above @ node_transform(node)
+            placement = above @ node_transform(node, (without or {}).get(number, ()))
         if "mesh" in node:
             # The specification has skinned meshes ignore where their node is.
             yield document.item(node, "mesh", "meshes"), np.eye(4) if "skin" in node else placement
         waiting += [(child, placement) for child in reversed(take(node, "children", list, []))]
 
 
-def node_transform(node: dict) -> np.ndarray:
-    """The transform (4,4) of a node, from its matrix or its translation, rotation and scale. Raises InputError."""
+def node_transform(node: dict, without: Collection[str] = ()) -> np.ndarray:
+    """The transform (4,4) of a node, from its matrix or its translation, rotation and scale, ``without`` some of them.
+
+    Raises InputError.
+    """
+    node = {key: value for key, value in node.items() if key not in without}
     if "matrix" in node:
         return numbers(node, "matrix", 16).reshape(4, 4).T
     transform = np.eye(4)
