@@ -10,7 +10,7 @@ import click
 
 from caricli.commands.shared.face_outputs import note_source, staged_face
 from caricli.commands.shared.head_options import mesh_head_options
-from caricli.commands.shared.notes import echo_numbering, echo_result
+from caricli.commands.shared.notes import echo_edited, echo_numbering, echo_result
 from caricli.commands.shared.options import (
     FACE_FILES,
     PATH,
@@ -137,6 +137,7 @@ class RefineTask:
             eyes = load_eyes(self.parsing, marks.image_size, marks.points)
             echo_numbering(self.parsing)
             points, snapped = snap_eyes(marks.head_points, eyes)
+            echo_edited(face, seen, template, "it goes back onto its picture; refine first, edits keep it")
             start = time.perf_counter()
             with naming(landmarks):
                 result = refine_face(seen, points, template, self.settings, marks.spreads)

@@ -13,7 +13,7 @@ import numpy as np
 
 from caricli.commands.shared.dynamic_texture import load_network, network_option
 from caricli.commands.shared.head_options import head_options
-from caricli.commands.shared.notes import echo_notes, echo_numbering, echo_result
+from caricli.commands.shared.notes import echo_edited, echo_notes, echo_numbering, echo_result
 from caricli.commands.shared.options import (
     PATH,
     WholeRange,
@@ -261,7 +261,8 @@ class TextureTask:
         with naming(", ".join(str(path) for path in inputs if path)):
             painted = paint_head(seen, shape_model.template, picture, white, settings, regions)
         seconds = time.perf_counter() - start
-        _warn(face, seen, shape_model.template)
+        effect = "paint as far from its place; paint first, edits keep it"
+        echo_edited(face, seen, shape_model.template, effect)
         jobs: list[Callable[[], None]] = [partial(write_painted_head, folder, painted)]
         if chart is not None:
             from caricli.methods.dynamic.face_in_chart import face_in_chart
@@ -311,16 +312,6 @@ class TextureTask:
                 "--mask or --parsing it is painted all the same"
             )
         return None, given.regions
-
-
-def _warn(path: Path, face: Face, template: "Template") -> None:
-    """Say so where a face is no longer as it was fitted to its picture. path: of the face."""
-    from caricli.methods.texture.edited_since_fit import NOTICED, edited_since_fit
-
-    share = edited_since_fit(face, template)
-    if share > NOTICED:
-        change = f"was edited after it was fitted: landmarks are up to {100 * share:.1f} % of their diagonal away"
-        echo_notes(f"{shown(path)}: {change}, and paint as far from its place; paint first, edits keep it")
 
 
 def _retouch(path, image, out, model, overwrite):

@@ -128,6 +128,16 @@ def test_the_landmarks_it_has_change_nothing(run, coarse, tmp_path):
     np.testing.assert_allclose(read_face(tmp_path / "refined.npz").vertices, face.vertices, atol=1e-6)
 
 
+@pytest.mark.parametrize("edited", [False, True])
+def test_it_is_said_where_an_edited_face_goes_back(edited, run, coarse, landmarks, tmp_path):
+    face = read_face(coarse)
+    write_face(tmp_path / "face.npz", face.with_vertices(face.vertices * [1.3 if edited else 1, 1, 1]))
+    result = run(COMMAND, tmp_path / "face.npz", landmarks, "--out", tmp_path / "refined.obj")
+    assert result.exit_code == 0, result.output
+    words = "face.npz: was edited after it was fitted: landmarks are up to "
+    assert (words in result.stderr) == ("goes back onto its picture" in result.stderr) == edited
+
+
 def test_a_face_without_latent_stays_without(run, coarse, landmarks, tmp_path):
     bare = replace(read_face(coarse), latent=None, residual=None, model_id=None, landmarks=None)
     write_face(tmp_path / "bare.npz", bare)
