@@ -1,5 +1,6 @@
 """What all readers share: bytes under a cap, text that is safe to print, and a word for rubbish."""
 
+import codecs
 import io
 import os
 import stat
@@ -41,6 +42,13 @@ def content_kind(data: bytes) -> str | None:
 def text_start(data: bytes) -> bytes:
     """Bytes from the first that says something: without a byte-order mark and blanks before it."""
     return data.lstrip(b"\xef\xbb\xbf \t\r\n")
+
+
+def without_utf16(data: bytes) -> bytes:
+    """Text in UTF-16 with its byte-order mark, as spreadsheets save it, in UTF-8; any other bytes as they are."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16", "replace").encode()
+    return data
 
 
 def looks_like_pickle(data: bytes) -> bool:

@@ -17,7 +17,7 @@ from caricli.errors import InputError, shown
 from caricli.io import directions, face, landmarks, parsing, rig, session
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.io.files import content_kind, read_start, text_start
+from caricli.io.files import content_kind, read_start, text_start, without_utf16
 from caricli.io.gltf.format import SUFFIXES
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
@@ -109,7 +109,7 @@ def load_any(path: Path) -> Any:
     if path.is_dir():
         reader = next((read for name, read in _FOLDERS.items() if (path / name).exists()), read_dataset)
         return reader(path)
-    return _reader(read_start(path, _START, _EXPECTED), path)(path)
+    return _reader(without_utf16(read_start(path, _START, _EXPECTED)), path)(path)
 
 
 def load_acquaintances() -> Acquaintances:

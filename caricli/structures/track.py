@@ -38,6 +38,7 @@ class Track:
     times: (T,) seconds, rising from 0 to at most MAX_NUMBER.
     weights: (T, N) from LEAST to MOST.
     head: (T, 3) yaw, pitch and roll of the head in radians as Live Link Face has them, or None.
+    fps: frames a second where there is one frame; several say so by their times.
     Raises InputError when the parts do not fit each other, FrameError when a value is out of range.
     """
 
@@ -45,6 +46,7 @@ class Track:
     times: np.ndarray
     weights: np.ndarray
     head: np.ndarray | None = None
+    fps: float = 30.0
 
     def __post_init__(self) -> None:
         """Check names, shapes and ranges."""

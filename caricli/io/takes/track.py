@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.files import decode_text, read_bytes, text_start
+from caricli.io.files import decode_text, read_bytes, text_start, without_utf16
 from caricli.io.npz import read_npz
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
@@ -44,14 +44,16 @@ class _Values(NamedTuple):
     times: np.ndarray
     weights: np.ndarray
     head: np.ndarray | None = None
+    fps: float | None = None
 
 
 def read_weights(path: str | Path, fps: float | None = None) -> Track:
     """Read weights over time; the format is told from the content.
 
-    CSV of Live Link Face: needs all 52 shapes, in Pascal or camel case and any order; the head's angles are all there
-    or none; the eyes' angles and other columns are not read, because the eyeLook shapes say the same. Times are
-    those of its timecodes (``timecode_seconds``), 60 frames a second where these do not show the rate.
+    CSV of Live Link Face, with commas or semicolons, in UTF-8 or UTF-16: most of the 52 shapes, in Pascal or camel
+    case and any order; the head's angles are all there or none; the eyes' angles and other columns are not read,
+    because the eyeLook shapes say the same. Rows without a face, with a BlendShapeCount of 0 and no values, are left
+    out. Times are those of its timecodes (``timecode_seconds``), 60 frames a second where these do not show the rate.
     JSON of MediaPipe's Face Landmarker: one result or a list (or {"frames": ...}) of results, each an object with
     `face_blendshapes` (`faceBlendshapes`) or the list of categories itself; times from `timestamp_ms` (`timestampMs`)
     where every result has one, else 30 results a second. The first face counts, results without a face are left out,
@@ -65,7 +67,7 @@ def read_weights(path: str | Path, fps: float | None = None) -> Track:
     """
     if fps is not None:
         _check_fps(fps, "--source-fps")
-    data = read_bytes(path, MAX_FILE_BYTES, KIND)
+    data = without_utf16(read_bytes(path, MAX_FILE_BYTES, KIND))
     if data.startswith(b"PK"):
         arrays = read_npz(path)
         with naming(path):
@@ -88,7 +90,7 @@ def write_weights(path: str | Path, track: Track) -> None:
     Raises OutputError when the file cannot be written.
     """
     times = np.asarray(track.times, float)
-    fps = (len(times) - 1) / times[-1] if len(times) > 1 else OTHER_FPS
+    fps = (len(times) - 1) / times[-1] if len(times) > 1 else track.fps
     fps = round(fps, 6)
     even = 0 < fps <= MAX_FPS and np.array_equal(times, np.arange(len(times)) / fps)
     value = {"schema": SCHEMA} | ({"fps": fps} if even else {"times": times})
@@ -99,27 +101,43 @@ def write_weights(path: str | Path, track: Track) -> None:
 
 def _from_csv(text: str, fps: float | None) -> Track:
     lines = text.splitlines() or [""]
-    header = [word.strip().strip('"') for word in lines[0].split(",")]
+    between = ";" if ";" in lines[0] and "," not in lines[0] else ","
+    header = [word.strip().strip('"') for word in lines[0].split(between)]
     columns = _columns(header, lines[0])
     has_head = any(name.lower() in columns for name in HEAD_ANGLES)
-    wanted = [*ARKIT_NAMES, *(HEAD_ANGLES if has_head else ())]
-    missing = [name for name in ("BlendShapeCount", *wanted) if name.lower() not in columns]
+    names = tuple(name for name in ARKIT_NAMES if name.lower() in columns)
+    angles = HEAD_ANGLES if has_head else ()
+    shapes = names if 2 * len(names) > len(ARKIT_NAMES) else ARKIT_NAMES
+    missing = [name for name in ("BlendShapeCount", *shapes, *angles) if name.lower() not in columns]
     if missing:
         more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
         raise InputError(f"line 1: expected the columns {', '.join(missing[:3])}{more}, found none")
-    rows = [(number, line.split(",")) for number, line in enumerate(lines[1:], 2) if line.strip(" ,\t")]
-    _check_size(len(rows), len(wanted))
-    values = np.empty((len(rows), len(wanted)))
-    for row, (number, words) in zip(values, rows, strict=True):
+    if between == ";":
+        # Where columns end with semicolons, fractions may begin with commas.
+        lines = [line.replace(",", ".") for line in lines]
+    rows = [(number, line.split(between)) for number, line in enumerate(lines[1:], 2) if line.strip(" .,;\t")]
+    faces = [k for k, (_, words) in enumerate(rows) if not _is_lost(words, columns)]
+    wanted = (*names, *angles)
+    _check_size(len(faces), len(wanted))
+    values = np.empty((len(faces), len(wanted)))
+    for row, (number, words) in zip(values, [rows[k] for k in faces], strict=True):
         with naming(f"line {number}"):
             if len(words) != len(header):
                 raise InputError(f"expected {len(header)} values as in the header, found {len(words)}")
             row[:] = [_number(words[columns[name.lower()]], header[columns[name.lower()]]) for name in wanted]
     timecodes = [words[columns["timecode"]].strip().strip('"') for _, words in rows]
-    count = len(ARKIT_NAMES)
-    angles = values[:, count:] if has_head else None
-    track = _Values(ARKIT_NAMES, timecode_seconds(timecodes, fps, _LIVE_LINK_FPS), values[:, :count], angles)
-    return _track(track, [f"line {number}" for number, _ in rows])
+    times = timecode_seconds(timecodes, fps, _LIVE_LINK_FPS)[faces]
+    head = values[:, len(names) :] if has_head else None
+    track = _Values(names, times - times[0], values[:, : len(names)], head, fps or _LIVE_LINK_FPS)
+    return _track(track, [f"line {rows[k][0]}" for k in faces])
+
+
+def _is_lost(words: list[str], columns: dict[str, int]) -> bool:
+    """Whether a row tells of no face: no shapes are counted, and there is nothing else but the time."""
+    counted = columns["blendshapecount"]
+    if len(words) <= max(counted, columns["timecode"]) or words[counted].strip(' \t"') != "0":
+        return False
+    return sum(bool(word.strip()) for word in words) <= 2
 
 
 def _columns(header: list[str], line: str) -> dict[str, int]:
@@ -169,7 +187,7 @@ def _from_mediapipe(value: Any, fps: float | None) -> Track:
         with naming(f"frame {frame}"):
             stamps[frame] = _stamp(results[frame])
     times = _mediapipe_times(list(stamps.values()), frames, fps)
-    return _track(_Values(names, times, weights, head), [f"frame {frame}" for frame in frames])
+    return _track(_Values(names, times, weights, head, fps), [f"frame {frame}" for frame in frames])
 
 
 def _mediapipe_times(stamps: list[float | None], frames: list[int], fps: float | None) -> np.ndarray:
@@ -238,7 +256,7 @@ def _from_own(value: dict) -> Track:
     else:
         times = _table([value["times"]], len(rows), "times")[0]
     head = _table(value["head"], 3, "head") if "head" in value else None
-    return _track(_Values(tuple(names), times, weights, head), _numbered(rows))
+    return _track(_Values(tuple(names), times, weights, head, value.get("fps")), _numbered(rows))
 
 
 def _from_npz(arrays: dict[str, np.ndarray], fps: float | None) -> Track:
@@ -257,7 +275,7 @@ def _from_npz(arrays: dict[str, np.ndarray], fps: float | None) -> Track:
     rate = float(arrays["fps"].item()) if "fps" in arrays else fps or OTHER_FPS
     _check_fps(rate, "fps")
     times = np.arange(len(weights)) / rate
-    return _track(_Values(tuple(names.tolist()), times, weights.astype(float)), _numbered(weights))
+    return _track(_Values(tuple(names.tolist()), times, weights.astype(float), fps=rate), _numbered(weights))
 
 
 def _table(rows: Any, width: int, where: str) -> np.ndarray:
@@ -298,6 +316,6 @@ def _track(values: _Values, rows: list[str]) -> Track:
     arkit = {name.lower(): name for name in ARKIT_NAMES}
     spelled = tuple(arkit.get(name.lower(), name) for name in values.names)
     try:
-        return Track(spelled, values.times, values.weights, values.head)
+        return Track(spelled, values.times, values.weights, values.head, values.fps or OTHER_FPS)
     except FrameError as error:
         raise InputError(f"{rows[error.frame]}: {error.problem}") from None

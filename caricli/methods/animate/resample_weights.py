@@ -11,9 +11,6 @@ from caricli.structures import Track
 _EVEN = 1e-3
 """Seconds that a frame may be early or late in a track that counts as even."""
 
-_LONE_FPS = 30.0
-"""Frames a second of a track of one frame."""
-
 _GAP = 1.75
 """Usual steps that are a gap: a lost frame makes two of them, jitter of a third of a frame less than this."""
 
@@ -29,7 +26,7 @@ def resample_weights(track: Track, fps: float | None = None) -> tuple[Track, flo
     Returns Track and its frames per second. Raises InputError when that is too many frames.
     """
     steps = np.diff(track.times)
-    own = 1 / _usual_step(steps) if len(steps) else _LONE_FPS
+    own = 1 / _usual_step(steps) if len(steps) else track.fps
     if fps is None:
         mean = len(steps) / track.times[-1] if len(steps) else own
         if not len(steps) or np.abs(track.times - np.arange(len(track.times)) / mean).max() < _EVEN:

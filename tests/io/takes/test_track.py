@@ -6,6 +6,8 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.npz import write_npz
 from caricli.io.takes.track import read_weights, write_weights
+from caricli.methods.animate.resample_weights import resample_weights
+from caricli.store.any_file import load_any
 from caricli.structures import Track
 from caricli.structures.arkit import ARKIT_NAMES
 
@@ -185,7 +187,8 @@ def test_bad_takes_say_the_line(tmp_path):
         words[column] = text
         return ",".join(words)
 
-    check(1, lambda line: line.replace("JawOpen,", "").replace("CheekPuff,", ""), "line 1", "jawOpen, cheekPuff")
+    check(1, lambda line: line.replace("Left", "L").replace("Mouth", ""), "line 1: expected the columns eyeBlinkLeft,")
+    check(2, lambda line: line.rsplit(",", 61)[0], "line 2: expected 63 values", "found 2")
     check(1, lambda line: line.replace("JawOpen", "EyeBlinkLeft"), "line 1", "'EyeBlinkLeft' twice")
     check(1, lambda line: line.replace("HeadPitch", "Nod"), "line 1", "HeadPitch")
     check(1, lambda line: line.replace("BlendShapeCount", "Count"), "BlendShapeCount")
@@ -203,6 +206,49 @@ def test_bad_takes_say_the_line(tmp_path):
     refused(path, "a.csv: expected weights (CSV, JSON or NPZ), found ''")
     path.write_text(lines[0] + "\n\n")
     refused(path, "at least one frame")
+
+
+@pytest.mark.parametrize("form", [{"between": ";"}, {"between": ";", "point": ","}, {"coding": "utf-16"}])
+def test_takes_as_spreadsheets_save_them(tmp_path, form):
+    path = live_link(tmp_path / "a.csv")
+    text = path.read_text().replace(",", form.get("between", ",")).replace(".", form.get("point", "."))
+    path.write_bytes(text.encode(form.get("coding", "utf-8")))
+    track = read_weights(path)
+    np.testing.assert_array_equal(track.weights, WEIGHTS)
+    np.testing.assert_array_equal(track.head, HEAD)
+    np.testing.assert_allclose(track.times, np.arange(4) * 1.001 / 60)
+    assert load_any(path).names == ARKIT_NAMES
+
+
+def test_rows_without_a_face_are_left_out_and_the_others_keep_their_times(tmp_path):
+    path = live_link(tmp_path / "a.csv")
+    lines = path.read_text().splitlines()
+    for lost in ((3,), (1, 2), (4,)):
+        rows = [",".join([*line.split(",")[:1], "0"]) if k in lost else line for k, line in enumerate(lines)]
+        path.write_text("\n".join(rows))
+        track = read_weights(path)
+        kept = np.setdiff1d(np.arange(4), np.array(lost) - 1)
+        np.testing.assert_array_equal(track.weights, WEIGHTS[kept])
+        np.testing.assert_allclose(track.times, (kept - kept[0]) * 1.001 / 60, atol=1e-9)
+    path.write_text("\n".join([lines[0], "14:03:52:00.200,0"]))
+    refused(path, "at least one frame")
+
+
+def test_shapes_that_a_take_lacks_are_not_read(tmp_path):
+    few = [name for name in ARKIT_NAMES if name not in ("tongueOut", "jawOpen")]
+    places = [ARKIT_NAMES.index(name) for name in few]
+    track = read_weights(live_link(tmp_path / "a.csv", WEIGHTS[:, places], names=few))
+    assert track.names == tuple(few)
+    np.testing.assert_array_equal(track.weights, WEIGHTS[:, places])
+    np.testing.assert_array_equal(track.head, HEAD)
+
+
+def test_a_take_of_one_frame_keeps_its_rate(tmp_path):
+    path = live_link(tmp_path / "a.csv", WEIGHTS[:1], HEAD[:1])
+    for fps, expected in ((None, 60), (24, 24)):
+        assert resample_weights(read_weights(path, fps))[1] == expected
+    write_weights(tmp_path / "a.json", read_weights(path))
+    assert resample_weights(read_weights(tmp_path / "a.json"))[1] == 60
 
 
 def test_bad_mediapipe_results_say_the_frame(tmp_path):
