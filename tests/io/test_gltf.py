@@ -594,6 +594,16 @@ def test_what_an_animation_moves_is_not_how_a_head_stands(full_rig, tmp_path):
     np.testing.assert_array_equal(half.deltas, full_rig.deltas)
 
 
+@pytest.mark.parametrize("node", [[0], -1, "head"])
+def test_an_animation_of_what_is_no_node_is_refused(full_rig, tmp_path, node):
+    write_gltf(tmp_path / "a.glb", full_rig)
+    document, binary = taken_apart(tmp_path / "a.glb")
+    document["animations"] = [{"channels": [{"target": {"node": node, "path": "rotation"}}]}]
+    put_together(tmp_path / "a.glb", document, binary)
+    with pytest.raises(InputError, match="node: expected a whole number"):
+        read_gltf(tmp_path / "a.glb")
+
+
 def test_names_of_targets_that_are_gone_are_no_expressions(full_rig, tmp_path):
     write_gltf(tmp_path / "a.glb", full_rig)
     document, binary = taken_apart(tmp_path / "a.glb")

@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.io.gltf.document import Document
-from caricli.io.strict_json import take
+from caricli.io.strict_json import take, take_whole
 from caricli.structures.checks import shape_problem
 
 _MAX_NODES = 16384
@@ -22,7 +22,8 @@ def mesh_stance(document: Document, mesh: dict) -> np.ndarray:
     for animation in take(document.content, "animations", list, []):
         for channel in take(animation, "channels", list, []) if isinstance(animation, dict) else ():
             target = take(channel, "target", dict, {}) if isinstance(channel, dict) else {}
-            moving.setdefault(target.get("node", -1), set()).add(str(target.get("path")))
+            if "node" in target:
+                moving.setdefault(take_whole(target, "node", 0, _MAX_NODES), set()).add(str(target.get("path")))
     placements = node_placements(document, moving)
     return next((placement for other, placement in placements if other is mesh), np.eye(4))[:3, :3]
 
