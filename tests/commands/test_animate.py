@@ -226,7 +226,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, ball, value
 
     lines = good.read_text().splitlines()
     for text, word in (
-        ("\n".join([lines[0].replace("JawOpen", "Jaw"), *lines[1:]]), "jawOpen"),
+        ("\n".join([lines[0].replace("Left", "L").replace("Mouth", ""), *lines[1:]]), "eyeBlinkLeft"),
         ("\n".join([*lines[:3], lines[3] + ",1"]), "line 4"),
         (lines[0], "at least one frame"),
         ("\n".join([*lines[:2], lines[2].replace("61,", "61,nan,", 1).rpartition(",")[0]]), "found 'nan'"),

@@ -19,7 +19,15 @@ from tests.fuzz.readers import READERS
 # Readers that others are made of, and those of folders and of files that come with caricli.
 PARTS = {"read_array", "read_bytes", "read_container", "read_start", "read_text", "read_yaml"}
 PARTS |= {"read_manifest", "read_named"}
-BEHIND_OTHERS = {"read_gltf_mesh", "read_level", "read_pictures", "read_obj", "read_ply", "read_stl"}
+BEHIND_OTHERS = {
+    "read_gltf_mesh",
+    "read_level",
+    "read_pictures",
+    "read_obj",
+    "read_painted_obj",
+    "read_ply",
+    "read_stl",
+}
 
 
 def test_every_reader_is_fuzzed():
