@@ -1,5 +1,6 @@
 from copy import copy
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -92,11 +93,12 @@ def test_a_torn_face_comes_back_mended(pca, directions, strangers):
 
 def test_nothing_of_another_model_is_edited(pca, kernel, directions, strangers):
     face = encoded(strangers[1], pca)
+    bare: Any = Face(face.mesh, latent=face.latent, model_id=pca.model_id)
     edit = SemanticEdit(directions, {"Smile": 1.0})
     with pytest.raises(InputError, match="gave for this model, found one of another"):
         edit_semantic(face, kernel, edit)
     with pytest.raises(InputError, match="found one that was not encoded"):
-        edit_semantic(Face(face.mesh, latent=face.latent, model_id=pca.model_id), pca, edit)
+        edit_semantic(bare, pca, edit)
     foreign = SemanticEdit(replace(directions, model_id=kernel.model_id), {"Smile": 1.0})
     with pytest.raises(InputError, match="directions in the latents of this model, found those of another"):
         edit_semantic(face, pca, foreign)
