@@ -12,9 +12,9 @@ from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.methods.parts.follow import follow_weights
 from caricli.methods.parts.frames import Frames, surroundings
 from caricli.methods.parts.guides import Guides
-from caricli.methods.parts.incisors import BEHIND_LIPS, Incisors, incisors_of
+from caricli.methods.parts.incisors import BEHIND_LIPS, Incisors, incisors_of, lip_middles
 from caricli.methods.parts.jaw import STILL, Jaw
-from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends
+from caricli.methods.parts.let_out import PARTINGS, far_enough, part_more, tongue_bends, towards_gap
 from caricli.methods.parts.make_room import YIELDING, RoomSettings, make_room, room_moves
 from caricli.methods.parts.pocket import Mouth, Mouths
 from caricli.methods.parts.posed import Posed
@@ -80,6 +80,7 @@ class Bone:
         self.jaw = jaw
         self.hide = Hide(template.faces)
         self.lips = _lips(template)
+        self.middles = lip_middles(template)
         self.incisors = incisors_of(template, part)
         self.around = surroundings(template, part)
         anchors = np.asarray(template.vertices, float)[self.around]
@@ -239,9 +240,11 @@ class Bone:
         """
         flesh = {amount: Flesh(self.hide, face.neutral + amount * face.deltas[0]) for amount in WAY}
         share = self._comes_out(face.weights[0])
-        whole, spare = far_enough(shape, move / share, (face.neutral + face.deltas[0])[self.lips], height)
+        skin = face.neutral + face.deltas[0]
+        whole, spare = far_enough(shape, move / share, skin[self.lips], height)
         way = share * whole
-        bends = tongue_bends(shape, way, share * spare)
+        higher = 0.0 if self.middles is None else towards_gap(shape, way, *skin[self.middles, 1])
+        bends = tongue_bends(shape, way, share * spare, higher)
         amounts, lack = clear_way(flesh, shape, way, bends, PRESSED * height)
         return way - move + bends.moves @ amounts, lack
 

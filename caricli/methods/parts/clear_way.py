@@ -26,13 +26,15 @@ class Bends:
 
     moves: (N, 3, M), of an amount of one metre. hold: (M,) weights against amounts, to one point that is as deep. low:
     (M,) metres, the least that amounts may be, -inf for those that are free; the others are not above zero. wish: (M,)
-    metres, what amounts are where nothing is in the way.
+    metres, what amounts are where nothing is in the way. start: (M,) metres, what free amounts are first, None for
+    nothing.
     """
 
     moves: np.ndarray
     hold: np.ndarray
     low: np.ndarray
     wish: np.ndarray
+    start: np.ndarray | None = None
 
 
 def clear_way(
@@ -83,7 +85,7 @@ def clear_way(
     result = least_squares(
         lambda amounts: asked(amounts)[1],
         # Not as is wished: bent far, points begin behind a wall, and the nearest way out is to its wrong side.
-        np.where(bounded, START * bends.low, 0.0),
+        np.where(bounded, START * bends.low, 0.0 if bends.start is None else bends.start),
         jac=lambda amounts: asked(amounts)[2],
         bounds=(bends.low, np.where(bounded, 0.0, np.inf)),
         x_scale=10 * margin,

@@ -28,6 +28,15 @@ AHEAD = 0.03
 LONGEST = 1.0
 """of its way: what is at most added to it for that."""
 
+_ALL = 2
+"""Of its changes: the one that raises all of it."""
+
+TIP = 8
+"""Power of how far points of a tongue go, of their whole way, by which they count as its tip."""
+
+BETWEEN = 0.5
+"""Of the gap between the lips, what a way that ends above or below it is first led to."""
+
 
 def part_more(names: Sequence[str], deltas: np.ndarray) -> np.ndarray:
     """(V, 3) metres, what parts the lips of a face once. names: K. deltas: (K, V, 3) metres."""
@@ -47,13 +56,27 @@ def far_enough(points: np.ndarray, way: np.ndarray, lips: np.ndarray, height: fl
     return way + np.outer(length / length.max(), [0.0, 0.0, more]), max(-short, 0.0)
 
 
-def tongue_bends(points: np.ndarray, way: np.ndarray, spare: float) -> Bends:
+def towards_gap(points: np.ndarray, way: np.ndarray, upper: float, lower: float) -> float:
+    """Metres by which the tip of a tongue has to end higher to be between the lips, 0 where it is.
+
+    From above a lip, or below it, the nearest way out of its flesh leads away from the gap. points, way: (N, 3) metres,
+    +y up. upper, lower: metres, how high the lips' rims are in their middle.
+    """
+    weights = (np.linalg.norm(way, axis=1) / np.linalg.norm(way, axis=1).max()) ** TIP
+    tip = float(weights @ (points + way)[:, 1] / weights.sum())
+    half = BETWEEN * max(upper - lower, 0.0) / 2
+    middle = (upper + lower) / 2
+    return float(np.clip(tip, middle - half, middle + half)) - tip
+
+
+def tongue_bends(points: np.ndarray, way: np.ndarray, spare: float, higher: float = 0.0) -> Bends:
     """Changes of a tongue's way out: smooth functions of how far its points go, how high and how far to a side.
 
     Points that are pressed one by one crumple. Its tip hangs down; it is raised (its back alone, all of it, its tip),
     moved to a side, made flatter and narrower, bent and turned about its length, and comes out less far.
 
-    points: (N, 3) at rest. way: (N, 3) metres, +y up, +z out of the mouth. spare: metres, how much less far.
+    points: (N, 3) at rest. way: (N, 3) metres, +y up, +z out of the mouth. spare: metres, how much less far. higher:
+    metres, how much all of it is raised first.
     """
     length = np.linalg.norm(way, axis=1)
     share = length / length.max()
@@ -78,7 +101,9 @@ def tongue_bends(points: np.ndarray, way: np.ndarray, spare: float) -> Bends:
         (0, back, 0.05, -np.inf, 0.0),
         (2, share, 0.1, -max(spare, 1e-3 * height), 0.0),
     ]
+    start = np.zeros(len(rows))
+    start[_ALL] = higher
     moves = np.zeros((len(points), 3, len(rows)))
     for k, (axis, amount, *_) in enumerate(rows):
         moves[:, axis, k] = amount
-    return Bends(moves, *np.array([row[2:] for row in rows]).T)
+    return Bends(moves, *np.array([row[2:] for row in rows]).T, start)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 
 from caricli.methods.parts.clear_way import Bends, clear_way
@@ -57,3 +59,11 @@ def test_a_way_that_is_wished_through_a_wall_stays_before_it():
     rooms = {0.25: Lip(), 0.5: Lip(), 1.0: Lip()}
     amounts, lack = clear_way(rooms, POINTS + [0.0, 0.002, 0.0], AHEAD, lift(wish=-0.03), 0.001)
     assert -0.003 < amounts[0] < 0.001 and lack < 0.001
+
+
+def test_where_amounts_are_first_tells_which_way_around_a_wall_is_taken():
+    lip, tip, up = {1.0: Lip()}, POINTS[:1] - [0.0, 0.008, 0.0], lift()
+    up = Bends(up.moves[:1], up.hold, up.low, up.wish)
+    over, _ = clear_way(lip, tip, AHEAD[:1], up, 0.001)
+    below, lack = clear_way(lip, tip, AHEAD[:1], replace(up, start=np.array([-0.005])), 0.001)
+    assert over[0] > 0.008 and below[0] < -0.012 and lack < 2e-4

@@ -1,11 +1,14 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from caricli.methods.parts.attachment import open_head_attachment
+from caricli.methods.parts.attachment import Attachment, open_head_attachment
 from caricli.methods.parts.flesh import Flesh, Hide
-from caricli.methods.parts.let_out import AHEAD, PARTING, far_enough, part_more, tongue_bends
+from caricli.methods.parts.let_out import AHEAD, PARTING, far_enough, part_more, tongue_bends, towards_gap
 from caricli.structures.arkit import alone
 from caricli.template.head import load_head
+from caricli.template.head_parts import head_parts
 
 WAY = np.column_stack([np.zeros(20), np.zeros(20), np.linspace(0, 0.03, 20)])
 POINTS = np.column_stack([np.tile([-0.01, 0.01], 10), np.repeat([0, 0.004], 10), np.linspace(-0.02, 0, 20)])
@@ -67,3 +70,30 @@ def test_the_tongue_comes_out_before_the_lips_and_not_through_them(tight):
     curves = face.annotation.curves
     lips = np.concatenate([curves["mouth_inner_upper"], curves["mouth_inner_lower"]])
     assert (start + way)[:, 2].max() > (face.vertices + opened[k])[lips, 2].max() + 0.5 * AHEAD * face.height
+
+
+def test_a_tip_is_led_into_the_gap_between_the_lips_and_stays_where_it_is_in_it():
+    assert towards_gap(POINTS, WAY, 0.01, -0.01) == 0
+    for higher in (-0.03, 0.03):
+        led = towards_gap(POINTS, WAY, higher + 0.01, higher - 0.01)
+        tip = towards_gap(POINTS + [0, led, 0], WAY, higher + 0.01, higher - 0.01)
+        assert led * higher > 0 and abs(led) < 0.03 and abs(tip) < 1e-12
+    assert tongue_bends(POINTS, WAY, 0.002).start.any() == 0
+    assert np.abs(tongue_bends(POINTS, WAY, 0.002, -0.01).start).sum() == 0.01
+
+
+def test_a_tongue_that_lies_above_the_lips_comes_out_between_them():
+    head = load_head()
+    template, names = head.template(), head.action_names
+    k = names.index("tongueOut")
+    jaw, tongue = (part for part in head_parts(head, "natural") if part.hangs_on == "jaw")
+    high = replace(tongue, mesh=tongue.mesh.with_vertices(tongue.mesh.vertices + [0, 0.012, 0]))
+    actions = head.actions.astype(float)
+    attachment = Attachment(template, [jaw, high], actions=actions)
+    deltas = attachment.let_out(template, alone(names), actions)
+    out = attachment.animate(template, alone([names[k]]), deltas[k : k + 1])[1]
+    ends = out.mesh.vertices + out.deltas[0]
+    upper = template.annotation.curves["mouth_inner_upper"]
+    skin = template.vertices + deltas[k]
+    assert ends[ends[:, 2].argmax(), 1] < skin[upper, 1].max()
+    assert Flesh(Hide(template.faces), skin).room(ends)[0].min() > 0
