@@ -42,6 +42,8 @@ class Attachment:
         """template: the head without expression. parts: in its shape, with what its expressions do to them. frames: by
         names of parts, where more is known of them than their place. actions: (K, V, 3) metres, what the expressions of
         the parts do to the skin."""
+        # What parts are held by is weighed in metres: all faces are brought to this height, and parts back from it.
+        self.height = template.height
         moves = np.zeros((0, *template.vertices.shape)) if actions is None else actions
         rigid = next((part for part in parts if part.hangs_on == "jaw"), None)
         jaw = None if rigid is None else Jaw(template, rigid, moves)
@@ -80,23 +82,27 @@ class Attachment:
         neutral one was found from, whose lips may have shown teeth; or None. teeth: (2,) metres, of a Face, or None
         where no picture tells.
         """
+        size = mesh.height / self.height
         face = Posed(np.asarray(mesh.vertices, float), expressions, np.asarray(deltas, float), given, teeth)
+        face = face.sized(1 / size)
         mouths = self._mouths(face)
-        return tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
+        parts = (hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
+        return tuple(_sized(part, size) for part in parts)
 
     def let_out(self, mesh: Mesh, expressions: Expressions, deltas: np.ndarray) -> np.ndarray:
         """(K, V, 3) metres, what expressions do to the skin where lips part as far as a tongue needs to come out.
 
         mesh, expressions, deltas: as in ``animate``; the other expressions stay as they are.
         """
-        face = Posed(np.asarray(mesh.vertices, float), expressions, np.asarray(deltas, float))
+        size = mesh.height / self.height
+        face = Posed(np.asarray(mesh.vertices, float), expressions, np.asarray(deltas, float)).sized(1 / size)
         mouths = self._mouths(face)
-        if mouths is None:
-            return face.deltas
+        opened = face
         for hold in self.holds:
-            if isinstance(hold, Bone):
-                face = replace(face, deltas=hold.let_out(face, mouths))
-        return face.deltas
+            if isinstance(hold, Bone) and mouths is not None:
+                opened = replace(opened, deltas=hold.let_out(opened, mouths))
+        # As they were, to the last bit, where nothing is opened.
+        return deltas + size * (opened.deltas - face.deltas)
 
     def _mouths(self, face: Posed) -> Mouths | None:
         return None if self.pocket is None else Mouths(self.pocket, face.neutral, face.names, face.deltas)
@@ -119,6 +125,12 @@ def attachment_for(template: Template, teeth: Teeth | None = None) -> Attachment
     if teeth is not None:
         raise InputError(NO_TEETH)
     return None
+
+
+def _sized(part: Part, size: float) -> Part:
+    """A part that is so many times as large."""
+    mesh = part.mesh.with_vertices(size * np.asarray(part.mesh.vertices))
+    return replace(part, mesh=mesh, deltas=size * np.asarray(part.deltas))
 
 
 @lru_cache(maxsize=4)

@@ -89,7 +89,7 @@ def clear_way(
         jac=lambda amounts: asked(amounts)[2],
         bounds=(bends.low, np.where(bounded, 0.0, np.inf)),
         x_scale=10 * margin,
-        ftol=1e-2,
+        ftol=1e-4,
         xtol=1e-5,
         max_nfev=ROUNDS,
     )

@@ -7,6 +7,9 @@ import numpy as np
 
 from caricli.geometry.triangle_normals import triangle_normals
 
+_ON_EDGE = 1e-7
+"""Barycentric coordinate below which a point of a triangle is on its edge."""
+
 ASKED_FIRST = 4
 """Of so many points in doubt one is asked first: a fold that covers some covers many."""
 
@@ -22,6 +25,8 @@ class Hide:
         self.rim = np.unique(edges)
         fan = np.column_stack([edges[:, ::-1], np.full(len(edges), len(self.ids))])
         closed = np.concatenate([self.faces, fan])
+        beyond = np.roll(igl.triangle_triangle_adjacency(self.faces)[0], -1, axis=1)
+        self.across = np.where(beyond < 0, np.arange(len(self.faces))[:, None], beyond)
         # What faces inwards is turned over, so that the winding number is one inside.
         self.closed = closed[:, ::-1].copy() if inwards else closed
 
@@ -68,9 +73,38 @@ class Flesh:
     def _normals(self) -> np.ndarray:
         return igl.per_vertex_normals(self.skin, self.hide.faces)
 
+    @cached_property
+    def face_normals(self) -> np.ndarray:
+        """(F, 3) of unit length."""
+        normals = triangle_normals(self.skin, self.hide.faces)
+        return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+
+    @cached_property
+    def _corner_normals(self) -> np.ndarray:
+        return igl.per_vertex_normals(self.skin, self.hide.faces, weighting=igl.PER_VERTEX_NORMALS_WEIGHTING_TYPE_ANGLE)
+
     def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Squared distances (N,) of points (N, 3) from the skin, the nearest faces (N,) and what is nearest (N, 3)."""
         return self._tree.squared_distance(self.skin, self.hide.faces, np.ascontiguousarray(points))
+
+    def ahead(self, points: np.ndarray, face: np.ndarray, nearest: np.ndarray) -> np.ndarray:
+        """(N,) how far points (N, 3) are on the side that the skin faces, negative behind it, in no unit.
+
+        What is nearest to a point may be an edge or a corner, of which any of its faces is told: their normals count
+        together. face, nearest: (N,) and (N, 3), of ``nearest``.
+        """
+        corners = self.hide.faces[face]
+        shares = igl.barycentric_coordinates(nearest, *(self.skin[corners[:, k]] for k in range(3)))
+        beside = shares < _ON_EDGE
+        normals = self.face_normals[face]
+        edges = np.flatnonzero(beside.sum(1) == 1)
+        other = self.hide.across[face[edges], beside[edges].argmax(1)]
+        normals[edges] += self.face_normals[other]
+        at_corner = np.flatnonzero(beside.sum(1) > 1)
+        if len(at_corner):
+            normals[at_corner] = self._corner_normals[corners[at_corner, shares[at_corner].argmax(1)]]
+        sides: np.ndarray = (normals * (points - nearest)).sum(1)
+        return sides
 
     def holds(self, points: np.ndarray) -> np.ndarray:
         """(N,) whether points (N, 3) are in it."""

@@ -106,4 +106,5 @@ def tongue_bends(points: np.ndarray, way: np.ndarray, spare: float, higher: floa
     moves = np.zeros((len(points), 3, len(rows)))
     for k, (axis, amount, *_) in enumerate(rows):
         moves[:, axis, k] = amount
-    return Bends(moves, *np.array([row[2:] for row in rows]).T, start)
+    hold, low, wish = np.array([row[2:] for row in rows]).T
+    return Bends(moves, hold, low, wish, start)

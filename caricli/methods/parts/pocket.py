@@ -1,17 +1,17 @@
 """The inside of a mouth."""
 
-from functools import cached_property
-
 import numpy as np
 from scipy.spatial import KDTree
 
-from caricli.geometry.triangle_normals import triangle_normals
 from caricli.methods.parts.flesh import Flesh, Hide
 from caricli.structures.arkit import uses
 from caricli.template.template import Template
 
 RIM = 0.016
 """Of the head's height: how far from the wall the rims of lips go, which roll in over teeth."""
+
+ROUNDED = 1e-9
+"""Metres: what is nearer to where it was pushed is there."""
 
 
 class Pocket:
@@ -69,12 +69,7 @@ class Mouth:
         """skin: (W, 3) metres, of the wall and the lips."""
         self.inner = Flesh(pocket.inner, skin[pocket.inside])
         self.lips = Flesh(pocket.lips, skin)
-        self.normals = triangle_normals(self.inner.skin, pocket.inner.faces)
         self.rimmed = Flesh(pocket.rimmed, skin[pocket.to_rim])
-
-    @cached_property
-    def _rim_normals(self) -> np.ndarray:
-        return triangle_normals(self.rimmed.skin, self.rimmed.hide.faces)
 
     def room(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (N,) of points (N, 3) from the wall, negative outside, and unit ways (N, 3) into the mouth."""
@@ -83,7 +78,7 @@ class Mouth:
         away = points - nearest
         # The side of the nearest face is quick and mostly right; where it says outside, winding numbers decide: behind
         # the lips may still be in a lip that crosses the other one.
-        outside = (self.normals[face] * away).sum(1) < 0
+        outside = self.inner.ahead(points, face, nearest) < 0
         if outside.any():
             doubtful = points[outside]
             in_mouth = self.inner.holds(doubtful)
@@ -100,7 +95,8 @@ class Mouth:
         """
         distance, ways = self.room(points)
         pushes = np.maximum(margin - distance, 0)[:, None] * ways
-        clear = distance >= margin
+        # What was pushed so far stands there but for rounding, which must not tell what becomes of it.
+        clear = distance > margin + ROUNDED
         pushes[clear] = self._out_of_rims(points[clear])
         return pushes
 
@@ -108,7 +104,7 @@ class Mouth:
         """(N, 3) the way out of lips' rims, zero for points (N, 3) that are in none."""
         _, face, nearest = self.rimmed.nearest(points)
         ways = nearest - points
-        within = (self._rim_normals[face] * ways).sum(1) > 0
+        within = self.rimmed.ahead(points, face, nearest) < 0
         # The side of the nearest face is mostly right; where it says within, the winding number decides.
         if within.any():
             within[within] = ~self.lips.holds(points[within])

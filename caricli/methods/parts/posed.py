@@ -33,6 +33,12 @@ class Posed:
         """(K,) of the actions that the expressions are made of, by name."""
         return tuple(self.expressions.values())
 
+    def sized(self, times: float) -> "Posed":
+        """So many times as large."""
+        given = None if self.given is None else times * self.given
+        teeth = None if self.teeth is None else times * self.teeth
+        return Posed(times * self.neutral, self.expressions, times * self.deltas, given, teeth)
+
     def only(self, k: int) -> "Posed":
         """With expression k alone."""
         return replace(self, expressions={self.names[k]: self.weights[k]}, deltas=self.deltas[k : k + 1])

@@ -195,3 +195,25 @@ def test_lower_lashes_are_shorter_and_finer_than_upper_ones(template):
     assert 0.3 < (rises < 0).mean() < 0.7
     for values, most in ((lengths, 0.75), (thickness, 0.7)):
         assert np.median(values[rises < 0]) < most * np.median(values[rises > 0])
+
+
+@pytest.mark.parametrize("size", [0.9, 2.0])
+def test_a_head_of_another_size_has_its_parts_and_their_moves_in_that_size(size):
+    head = load_head()
+    template = head.template()
+    # Of one that is its own mirror image rounding tells to which side a tongue goes.
+    face = template.vertices * [1.1, 0.95, 0.9] + 0.05 * template.vertices[:, [1]] * [1, 0, 0]
+    names = ("jawForward", "mouthSmileLeft", "tongueOut")
+    deltas = head.actions[[head.action_names.index(name) for name in names]].astype(float)
+    attachment = open_head_attachment()
+
+    def dressed(times):
+        mesh = template.with_vertices(times * face)
+        opened = attachment.let_out(mesh, alone(names), times * deltas)
+        return opened, attachment.animate(mesh, alone(names), opened)
+
+    (opened, parts), (others_opened, others) = dressed(1.0), dressed(size)
+    np.testing.assert_allclose(others_opened / size, opened, atol=1e-7)
+    for part, other in zip(parts, others, strict=True):
+        np.testing.assert_allclose(other.mesh.vertices / size, part.mesh.vertices, atol=1e-7)
+        np.testing.assert_allclose(other.deltas / size, part.deltas, atol=1e-6)

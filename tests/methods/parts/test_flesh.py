@@ -70,3 +70,13 @@ def test_skin_around_deep_eyes_closed_behind_encloses_what_all_of_it_does():
     assert 0.2 < truth.mean() < 0.8
     np.testing.assert_array_equal(Flesh(hide, skin, hide.behind(skin, 1.0)).holds(points), truth)
     assert (Flesh(hide, skin, deep.mean(0)).holds(points) != truth).any()
+
+
+def test_points_above_edges_and_corners_are_ahead_of_whichever_face_is_told(balls):
+    _, flesh, _ = balls
+    corners = flesh.skin[flesh.hide.faces]
+    told = np.repeat(np.arange(len(corners)), 3)
+    for spot in (corners.reshape(-1, 3), (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2):
+        outward = spot / np.linalg.norm(spot, axis=1, keepdims=True)
+        assert (flesh.ahead(spot + 1e-3 * outward, told, spot) > 0).all()
+        assert (flesh.ahead(spot - 1e-3 * outward, told, spot) < 0).all()

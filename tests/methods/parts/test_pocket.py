@@ -39,3 +39,11 @@ def test_what_is_in_the_rim_of_a_lip_goes_out_of_it(opened):
 def test_what_is_before_the_rim_of_a_lip_stays(opened):
     mouth, rim, normals = opened
     assert not mouth.pushes(rim + DEPTH * normals, APART).any()
+
+
+def test_what_was_pushed_as_far_as_it_may_be_in_the_wall_is_not_pushed_again(opened):
+    mouth, rim, normals = opened
+    points = rim - 2 * DEPTH * normals
+    margin = -DEPTH / 2
+    pushed = points + mouth.pushes(points, margin)
+    assert np.linalg.norm(mouth.pushes(pushed, margin), axis=1).max() < 1e-12
