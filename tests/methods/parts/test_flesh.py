@@ -72,11 +72,13 @@ def test_skin_around_deep_eyes_closed_behind_encloses_what_all_of_it_does():
     assert (Flesh(hide, skin, deep.mean(0)).holds(points) != truth).any()
 
 
-def test_points_above_edges_and_corners_are_ahead_of_whichever_face_is_told(balls):
-    _, flesh, _ = balls
-    corners = flesh.skin[flesh.hide.faces]
-    told = np.repeat(np.arange(len(corners)), 3)
-    for spot in (corners.reshape(-1, 3), (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3) / 2):
-        outward = spot / np.linalg.norm(spot, axis=1, keepdims=True)
-        assert (flesh.ahead(spot + 1e-3 * outward, told, spot) > 0).all()
-        assert (flesh.ahead(spot - 1e-3 * outward, told, spot) < 0).all()
+def test_points_beside_a_sharp_corner_or_edge_are_ahead_of_whichever_face_is_told():
+    base = np.array([[-0.1, 0, -0.1], [0.1, 0, -0.1], [0.1, 0, 0.1], [-0.1, 0, 0.1]])
+    faces = np.array([[1, 0, 4], [2, 1, 4], [3, 2, 4], [0, 3, 4]])
+    spire = Flesh(Hide(faces), np.concatenate([base, [[0, 1, 0]]]))
+    told = np.arange(4)
+    for at, beside in ((spire.skin[4], told), ((spire.skin[0] + spire.skin[4]) / 2, told[[0, 3]])):
+        nearest = np.tile(at, (len(beside), 1))
+        for normal in spire.face_normals[beside]:
+            assert (spire.ahead(nearest + 1e-3 * normal, beside, nearest) > 0).all()
+            assert (spire.ahead(nearest - 1e-3 * normal, beside, nearest) < 0).all()
