@@ -9,6 +9,7 @@ import numpy as np
 
 from caricli.data.identities import usual_size
 from caricli.errors import InputError
+from caricli.methods.parts.behind_teeth import behind_teeth
 from caricli.methods.parts.bones import Bone
 from caricli.methods.parts.frames import Frames, plain_frames
 from caricli.methods.parts.jaw import Jaw
@@ -86,7 +87,9 @@ class Attachment:
         face = Posed(np.asarray(mesh.vertices, float), expressions, np.asarray(deltas, float), given, teeth)
         face = face.sized(1 / size)
         mouths = self._mouths(face)
-        parts = (hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
+        parts = tuple(hold.place(face) if isinstance(hold, Lids) else hold.place(face, mouths) for hold in self.holds)
+        if teeth is not None and given is None:
+            parts = behind_teeth(parts, self.height)
         return tuple(_sized(part, size) for part in parts)
 
     def let_out(self, mesh: Mesh, expressions: Expressions, deltas: np.ndarray) -> np.ndarray:
