@@ -112,10 +112,11 @@ def command(
 
     B.npz is what `blendshapes` wrote. Drivers are meshes of the model's topology (NPZ, OBJ, PLY, GLB or glTF), or
     landmarks, or pictures, in which they are found; then they are written beside the result, FACE-landmarks.json.
-    Weights from 0 to 1.5 explain what a driver does to a normal face, and are applied to the caricature. All drivers
-    are of one person and of one kind. Place and size do not matter. Weights of meshes are exact with --neutral; without
-    it, and from landmarks, who somebody is and what he does are told apart by what is likely. Landmarks, and so
-    pictures, show neither a tongue nor where eyes look: neither moves.
+    Weights from 0 to 1.5 explain what a driver does to a normal face, and are applied to the caricature: what no
+    expression alone does is shared out among several. All drivers are of one person and of one kind. Place and size do
+    not matter. With --neutral a mesh tells who it is of; without it, and from landmarks, who somebody is and what he
+    does are told apart by what is likely. Landmarks, and so pictures, show neither a tongue nor where eyes look:
+    neither moves.
 
     With --picture the drawing itself takes the expressions: what it shows of the face moves, with its own colours; what
     it hides comes from the texture, teeth from the head; what the face uncovers is filled, and hair, glasses and hands
