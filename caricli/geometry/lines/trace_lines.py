@@ -37,13 +37,16 @@ def trace_lines(ink: np.ndarray, shortest: float) -> list[InkLine]:
     """The middles of lines of ink, each from end to end, straight on where lines cross.
 
     ink: (H, W) bool. shortest: pixels; shorter lines, and stubs of that length at others, are left out.
-    Returns InkLines, the longest first.
+    Returns InkLines, the longest first; those of the mirrored ink are their mirror images.
     """
     import cv2
     from skimage.morphology import skeletonize
 
     if not ink.any():
         return []
+    if _is_mirrored(ink):
+        lines = trace_lines(np.ascontiguousarray(ink[:, ::-1]), shortest)
+        return [InkLine(np.array([ink.shape[1] - 1, 0]) + [-1, 1] * line.points, line.width) for line in lines]
     inside = cv2.distanceTransform(np.pad(ink, 1).astype(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
     thin = skeletonize(ink)
     branches, centres = _branches(thin)
@@ -54,6 +57,13 @@ def trace_lines(ink: np.ndarray, shortest: float) -> list[InkLine]:
         if _length(chain) > shortest:
             lines.append(InkLine(_smoothed(chain[:, ::-1].astype(np.float64)), width))
     return sorted(lines, key=lambda line: -_length(line.points))
+
+
+def _is_mirrored(ink: np.ndarray) -> bool:
+    """Whether of ink (H, W) and its mirror image the other one is traced: thinning is not alike on both sides."""
+    columns = np.trim_zeros(ink.sum(0))
+    differ = np.flatnonzero(columns != columns[::-1])
+    return len(differ) > 0 and bool(columns[differ[0]] > columns[::-1][differ[0]])
 
 
 def _length(pixels: np.ndarray) -> float:

@@ -199,3 +199,14 @@ def test_short_lines_are_as_long_in_all_directions(angle):
     way = 10 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
     ink = drawn([100 - way, 100 + way])
     assert len(trace_lines(ink, 16)) == 1 and not trace_lines(ink, 27)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_mirrored_ink_has_the_mirror_images_of_the_lines(seed):
+    """Thinning takes pixels off one side first, and crossings were met in another order."""
+    generator = np.random.default_rng(seed)
+    ink = drawn(*(generator.integers(10, 190, (4, 2)) for _ in range(6)), width=5)
+    lines, mirrored = (trace_lines(each, 8) for each in (ink, ink[:, ::-1]))
+    assert len(lines) == len(mirrored)
+    for a, b in zip(lines, mirrored, strict=True):
+        assert np.allclose(a.points * [-1, 1] + [ink.shape[1] - 1, 0], b.points) and a.width == b.width
