@@ -8,6 +8,8 @@ from caricli.render.pixels.widen_mask import widen_mask
 
 _ALL_OVER = 0.15
 """Share of an area that is ink from which on it is a pattern, as a table's grain is."""
+_ALIKE = 0.25
+"""Share by which the distances between most neighbours of ruled lines differ from the usual one, at most."""
 _EDGE = 0.04
 """Of full brightness: a change within five pixels from which on something else begins."""
 
@@ -93,7 +95,8 @@ def _closed(gray: np.ndarray, element: np.ndarray) -> np.ndarray:
 
 
 def _without_ruling(ink: np.ndarray, dark: np.ndarray, settings: PaperSettings) -> np.ndarray:
-    """(H, W) bool: ink without the lines of ruled or squared paper, which are straight, many, and paler than a pen."""
+    """(H, W) bool: ink without the lines of ruled or squared paper, which are straight, many, as far from each other,
+    and paler than a pen."""
     import cv2
 
     shorter = min(ink.shape)
@@ -103,9 +106,12 @@ def _without_ruling(ink: np.ndarray, dark: np.ndarray, settings: PaperSettings) 
     distances, angles = lines[:, 0].T
     usual = np.radians(np.bincount(np.round(np.degrees(angles)).astype(int)).argmax())
     # At right angles to the usual direction, too; beside each other within a two-hundredth of the paper they are one.
-    along = np.abs((angles - usual + np.pi / 4) % (np.pi / 2) - np.pi / 4) < np.radians(1)
+    turned = np.abs((angles - usual + np.pi / 4) % (np.pi / 2) - np.pi / 4)
+    along = turned < np.radians(1)
     places = np.unique(np.round(distances[along & (np.abs(angles - usual) < 0.1)] / (0.005 * shorter)))
-    if np.count_nonzero(np.diff(places) > 1) < settings.ruled - 1:
+    gaps = np.diff(places)[np.diff(places) > 1]
+    # Through the strokes of a drawing that fills the paper straight lines go in all directions.
+    if len(gaps) < settings.ruled - 1 or (turned < np.radians(3)).mean() < 0.5 or not _alike(gaps):
         return ink
     ruling = np.zeros(ink.shape, np.uint8)
     for distance, angle in zip(distances[along], angles[along], strict=True):
@@ -114,6 +120,12 @@ def _without_ruling(ink: np.ndarray, dark: np.ndarray, settings: PaperSettings) 
         cv2.polylines(ruling, [np.round([foot - way, foot + way]).astype(np.int32)], False, 1)
     pale = float(np.quantile(dark[(ruling > 0) & ink], 0.75))
     return ink & (dark > settings.bold * pale)
+
+
+def _alike(gaps: np.ndarray) -> bool:
+    """Whether most gaps (N,) are as wide as the usual one."""
+    usual = float(np.median(gaps))
+    return bool((np.abs(gaps - usual) <= _ALIKE * usual).mean() > 0.5)
 
 
 def _sheet(gray: np.ndarray, settings: PaperSettings) -> np.ndarray:

@@ -235,3 +235,17 @@ def test_pages_without_lines_are_refused():
     for page in (white, np.zeros_like(white), dot, grain, white[:1, :1]):
         with pytest.raises(InputError, match="expected a drawing of lines on paper"):
             clean_drawing(page)
+
+
+def close_up(sketch, narrow=1.0, width=4.0, margin=0):
+    """A drawing (H, W, 3) that fills its paper, with a margin around it, pixels. narrow: what is left of its width."""
+    ink = rasterise_sketch(sketch.with_strokes(s.moved(s.points * [narrow, 1]) for s in sketch.strokes), 512, width)
+    rows, columns = (np.flatnonzero(ink.any(axis)) for axis in (1, 0))
+    ink = np.pad(ink[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1], 12 + margin)
+    return np.repeat(255 - ink[..., None], 3, axis=2)
+
+
+@pytest.mark.parametrize("narrow", [0.5, 0.6])
+def test_strokes_of_a_narrow_drawing_are_no_ruled_paper(sketch, narrow):
+    """Straight lines through many strokes go in all directions; those of ruled paper in one, as far from each other."""
+    assert len(clean_drawing(close_up(sketch, narrow, width=6.0)).strokes) > 10
