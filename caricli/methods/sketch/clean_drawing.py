@@ -1,7 +1,5 @@
 """Drawings on paper, photographed or scanned, as clean lines."""
 
-from contextlib import suppress
-
 import numpy as np
 
 from caricli.errors import InputError
@@ -13,8 +11,12 @@ from caricli.methods.sketch.page_frames import page_frames
 from caricli.methods.sketch.settings import PaperSettings
 from caricli.structures.sketch import CANVAS, Sketch, Stroke
 
+_SPECK = 0.1
+"""Of the longest piece of ink: what is smaller is no drawing beside it."""
 _RIM = 0.15
 """Of a small drawing: how much paper around it is looked at, too."""
+_SAME = 0.1
+"""Of a small drawing: its box is no further from where it was when it is looked at from near."""
 
 
 def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> Sketch:
@@ -24,17 +26,15 @@ def clean_drawing(image: np.ndarray, settings: PaperSettings | None = None) -> S
     is left is thinned to lines, areas to their outlines; a frame around the drawing is none.
 
     image: (H, W, 3) uint8, dark lines on bright paper, or bright ones on dark. What is drawn on a small part of it is
-    looked at anew, from near.
+    looked at anew, from near, and what fills it with paper around it.
     Raises InputError where there are no lines, or areas rather than lines, as in a photograph.
     """
     settings = settings or PaperSettings()
     lines, side = _lines(image, settings)
+    share = np.ptp(_box(lines), axis=0).max() / side
+    if not settings.small < share < settings.tight:
+        lines = _from_near(image, lines, side, settings)
     box = _box(lines)
-    if np.ptp(box, axis=0).max() < settings.small * side:
-        # From so near a thick pen may be none any more.
-        with suppress(InputError):
-            lines, _ = _lines(_around(image, box * max(image.shape[:2]) / side), settings)
-            box = _box(lines)
     zoom = settings.fill * CANVAS / max(float(np.ptp(box, axis=0).max()), 1.0)
     aside = (CANVAS - 1) / 2 - zoom * box.mean(0)
     strokes = tuple(Stroke(zoom * line.points + aside, width=max(zoom * line.width, 1.0)) for line in lines)
@@ -53,13 +53,26 @@ def _lines(image: np.ndarray, settings: PaperSettings) -> tuple[list[InkLine], i
     share = float(ink.mean())
     if share > settings.most or _solid(ink, settings.thick * longer).sum() > settings.solid * ink.sum():
         raise InputError(f"expected a drawing of lines on paper, found areas: {100 * share:.0f} % of it are dark")
-    ink = _hollowed(ink, settings.area * longer)
-    lines = _dark_lines(trace_joined(ink, settings.speck * longer), dark, settings.pale)
+    extent = _extent(ink)
+    ink = _hollowed(ink, settings.area * extent)
+    lines = _dark_lines(trace_joined(ink, settings.speck * extent, extent), (dark, extent), settings.pale)
     frames = page_frames([line.points for line in lines])
-    lines = _together([line for number, line in enumerate(lines) if number not in frames], settings.stray * longer)
+    lines = _together([line for number, line in enumerate(lines) if number not in frames], settings.stray * extent)
     if sum(_length(line) for line in lines) < 0.1 * longer:
         raise InputError("expected a drawing of lines on paper, found hardly any line")
     return lines, longer
+
+
+def _extent(ink: np.ndarray) -> float:
+    """Pixels: the longer side of the box around ink (H, W) bool without specks, however much paper is around it."""
+    import cv2
+
+    figures = cv2.connectedComponentsWithStats(ink.astype(np.uint8), connectivity=8)[2][1:]
+    if not len(figures):
+        return float(max(ink.shape))
+    low, size = figures[:, :2], figures[:, 2:4]
+    large = size.max(1) > _SPECK * size.max()
+    return float(np.ptp(np.vstack([low[large], (low + size)[large]]), axis=0).max())
 
 
 def _box(lines: list[InkLine]) -> np.ndarray:
@@ -68,12 +81,24 @@ def _box(lines: list[InkLine]) -> np.ndarray:
     return np.stack([points.min(0), points.max(0)])
 
 
-def _around(image: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """What of a picture (H, W, 3) lies in a box (2, 2) of pixels, and around it."""
+def _from_near(image: np.ndarray, lines: list[InkLine], side: int, settings: PaperSettings) -> list[InkLine]:
+    """The lines of what of a picture (H, W, 3) lies in their box and around it, where paper goes on beyond its borders;
+    as they were where that is another drawing, as where a table begins close by, or none: from near a thick pen may be
+    none any more. side: pixels, longer side of the picture that they are of."""
+    import cv2
+
+    box = _box(lines) * max(image.shape[:2]) / side
     rim = _RIM * np.ptp(box, axis=0).max()
-    low = np.maximum(np.floor(box[0] - rim), 0).astype(int)
-    high = np.ceil(box[1] + rim).astype(int) + 1
-    return image[low[1] : high[1], low[0] : high[0]]
+    low, high = np.floor(box[0] - rim).astype(int), np.ceil(box[1] + rim).astype(int) + 1
+    beyond = np.maximum([-low, high - image.shape[1::-1]], 0)
+    part = image[max(low[1], 0) : high[1], max(low[0], 0) : high[0]]
+    part = cv2.copyMakeBorder(part, *beyond[:, 1].tolist(), *beyond[:, 0].tolist(), cv2.BORDER_REPLICATE)
+    try:
+        near, smaller = _lines(part, settings)
+    except InputError:
+        return lines
+    away = low + _box(near) * max(part.shape[:2]) / smaller - box
+    return near if np.abs(away).max() < _SAME * rim / _RIM else lines
 
 
 def _smaller(image: np.ndarray, side: int) -> np.ndarray:
@@ -109,10 +134,11 @@ def _is_chalk(gray: np.ndarray, settings: PaperSettings) -> bool:
     return bool((rest**3).mean() > 0.5 * max(float(rest.std()), 1e-6) ** 3)
 
 
-def _dark_lines(lines: list[InkLine], dark: np.ndarray, pale: float) -> list[InkLine]:
-    """Lines that are not much paler than the usual one: the others are shadows and folds of the paper."""
+def _dark_lines(lines: list[InkLine], dark: tuple[np.ndarray, float], pale: float) -> list[InkLine]:
+    """Lines that are not much paler than the usual one: the others are shadows and folds of the paper. dark: (H, W),
+    and the longer side of the drawing, pixels."""
     lines = [line for line in lines if len(line.points) > 1]
-    shades = shades_along(lines, dark)
+    shades = shades_along(lines, *dark)
     usual = float(np.median(np.concatenate([*shades, np.zeros(1)])))
     return [line for line, own in zip(lines, shades, strict=True) if np.median(own) > pale * usual]
 

@@ -43,7 +43,8 @@ those above 0.02 what the network sees is 5.4 mm off, elastic faces 8.1."""
 
 @dataclass(frozen=True)
 class PaperSettings:
-    """What is ink on paper. Lengths are shares of the longer side of the picture.
+    """What is ink on paper. Lengths are shares of the longer side of the picture; speck, stray and area of the
+    drawing's.
 
     side: pixels that larger pictures are made smaller to. light: over how far light and paper change. grain: how many
     times as dark as the paper's grain ink is at least. faint, ink: least darkness, of the paper's brightness, that
@@ -56,7 +57,8 @@ class PaperSettings:
     steps of Lab, it may change its colour. table: how much brighter the paper is than what lies around it, where it is
     told from it. margin: of the sheet, what is left out at its edge. black: of the brightness around, that of what is
     filled with ink and no shadow. dot: what is filled with ink of any darkness, as pupils are, at most. small: of the
-    longer side, a drawing that is looked at from near. fill: of the canvas, the longer side of the drawing.
+    longer side, a drawing that is looked at from near. tight: one that is looked at with more paper around it. fill: of
+    the canvas, the longer side of the drawing.
     """
 
     side: int = 1024
@@ -65,10 +67,10 @@ class PaperSettings:
     faint: float = 0.05
     ink: float = 0.11
     pale: float = 0.35
-    speck: float = 0.012
-    stray: float = 0.04
+    speck: float = 0.014
+    stray: float = 0.047
     thick: float = 0.014
-    area: float = 0.024
+    area: float = 0.028
     solid: float = 0.85
     most: float = 0.3
     coarsest: float = 0.09
@@ -80,7 +82,8 @@ class PaperSettings:
     margin: float = 0.01
     black: float = 0.35
     dot: float = 0.1
-    small: float = 0.5
+    small: float = 0.7
+    tight: float = 0.8
     fill: float = 0.86
 
 

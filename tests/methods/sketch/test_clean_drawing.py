@@ -245,7 +245,24 @@ def close_up(sketch, narrow=1.0, width=4.0, margin=0):
     return np.repeat(255 - ink[..., None], 3, axis=2)
 
 
+@pytest.mark.parametrize("margin", [30, 100, 250, 700])
+def test_a_margin_around_a_drawing_changes_nothing(sketch, margin):
+    """Lids and lips near to each other on a large sheet were taken for lines that were searched for."""
+    cropped, wide = (clean_drawing(close_up(sketch, margin=each)) for each in (0, margin))
+    assert len(wide.strokes) == len(cropped.strokes)
+    for a, b in ((wide, cropped), (cropped, wide)):
+        assert np.percentile(KDTree(points_of(a)).query(points_of(b))[0], 99) < 1
+
+
 @pytest.mark.parametrize("narrow", [0.5, 0.6])
 def test_strokes_of_a_narrow_drawing_are_no_ruled_paper(sketch, narrow):
     """Straight lines through many strokes go in all directions; those of ruled paper in one, as far from each other."""
     assert len(clean_drawing(close_up(sketch, narrow, width=6.0)).strokes) > 10
+
+
+def test_a_mirrored_drawing_has_the_mirror_images_of_the_strokes(sketch):
+    picture = close_up(sketch, narrow=0.6)
+    once, mirrored = (clean_drawing(each) for each in (picture, np.ascontiguousarray(picture[:, ::-1])))
+    assert len(once.strokes) == len(mirrored.strokes)
+    for a, b in zip(once.strokes, mirrored.strokes, strict=True):
+        assert np.abs(a.points - (np.array([255, 0]) + [-1, 1] * b.points)).max() < 1e-6
