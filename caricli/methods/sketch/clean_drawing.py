@@ -92,7 +92,8 @@ def _from_near(image: np.ndarray, lines: list[InkLine], side: int, settings: Pap
     low, high = np.floor(box[0] - rim).astype(int), np.ceil(box[1] + rim).astype(int) + 1
     beyond = np.maximum([-low, high - image.shape[1::-1]], 0)
     part = image[max(low[1], 0) : high[1], max(low[0], 0) : high[0]]
-    part = cv2.copyMakeBorder(part, *beyond[:, 1].tolist(), *beyond[:, 0].tolist(), cv2.BORDER_REPLICATE)
+    (left, top), (right, bottom) = beyond.tolist()
+    part = cv2.copyMakeBorder(part, top, bottom, left, right, cv2.BORDER_REPLICATE)
     try:
         near, smaller = _lines(part, settings)
     except InputError:
