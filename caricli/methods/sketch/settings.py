@@ -108,16 +108,18 @@ class NamingSettings:
 
     turn: cost of a stroke across a curve. back: weight of the curve's distance from the stroke against the stroke's
     from the curve. shape: of what is left of the distance without a common shift. missing: distance from which on a
-    part of a curve just was not drawn. dearest: cost above which a stroke draws no curve. piece: the same for one that
-    continues a curve. covered: share of a stroke that may lie along what was drawn already when it continues a curve.
-    seldom: cost of a curve that is drawn beside others, if at all, and of a piece of ``PIECED``. rounds: of a face that
-    follows the names, and names.
+    part of a curve just was not drawn. scrap: of a curve's length, what a stroke that draws all of it has at least:
+    junctions of lines in pictures leave shorter ones. dearest: cost above which a stroke draws no curve. piece: the
+    same for one that continues a curve. covered: share of a stroke that may lie along what was drawn already when it
+    continues a curve. seldom: cost of a curve that is drawn beside others, if at all, and of a piece of ``PIECED``.
+    rounds: of a face that follows the names, and names.
     """
 
     turn: float = 0.1
     back: float = 0.3
     shape: float = 3.0
     missing: float = 0.05
+    scrap: float = 0.2
     dearest: float = 0.15
     piece: float = 0.05
     covered: float = 0.3

@@ -80,6 +80,7 @@ def stroke_costs(
     part = np.full(shape, np.inf)
     nearest = np.zeros((*shape, _POINTS[0]), int)
     curves = np.array([candidate.line for candidate in candidates])
+    lengths = np.linalg.norm(np.diff(curves, axis=1), axis=-1).sum(1)
     along = _directions(curves)
     for s, stroke in enumerate(strokes):
         line = resample(stroke.points, _POINTS[0])
@@ -92,8 +93,9 @@ def stroke_costs(
         met = np.take_along_axis(curves, nearest[s][..., None], 1)
         apart = line - met
         unlike = np.linalg.norm(apart - apart.mean(1, keepdims=True), axis=-1).mean(1) / unit
-        fits = [_may_draw(stroke, candidate) for candidate in candidates]
+        fits = np.array([_may_draw(stroke, candidate) for candidate in candidates])
         part[s, fits] = near[fits]
+        fits &= stroke.length > settings.scrap * lengths
         whole[s, fits] = (near + settings.back * back + settings.shape * unlike)[fits]
     return StrokeCosts(whole, part, nearest)
 
