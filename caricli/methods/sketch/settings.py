@@ -119,7 +119,7 @@ class NamingSettings:
     back: float = 0.3
     shape: float = 3.0
     missing: float = 0.05
-    scrap: float = 0.2
+    scrap: float = 0.1
     dearest: float = 0.15
     piece: float = 0.05
     covered: float = 0.3

@@ -190,11 +190,11 @@ def test_of_a_rig_it_is_the_neutral_mesh(full_rig, tmp_path, suffix):
     np.testing.assert_array_equal(mesh.faces, full_rig.faces)
 
 
-def test_another_programs_rig_stays_where_it_is_modelled(tmp_path):
-    document, binary = scene_document([{"mesh": 0, "scale": [2, 2, 2]}])
+def test_another_programs_rig_is_as_large_as_its_node_and_stays_at_the_origin(tmp_path):
+    document, binary = scene_document([{"mesh": 0, "scale": [2, 2, 2], "translation": [5, 0, 0]}])
     document["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": 0}]
     put_together(tmp_path / "a.glb", document, binary)
-    assert read_mesh(tmp_path / "a.glb").vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
+    assert read_mesh(tmp_path / "a.glb").vertices.tolist() == [[0, 0, 0], [2, 0, 0], [0, 4, 0]]
 
 
 def put_together(path, document, binary):
