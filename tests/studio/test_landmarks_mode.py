@@ -107,6 +107,7 @@ def test_keys_and_groups(marks, folder, laid):
     marks.page.keyboard.press("Tab")
     assert marks.page.evaluate("document.activeElement.getAttribute('aria-label')").startswith("nostril right")
     marks.click("Groups")
+    marks.until(f"{CANVAS}.options.grouped")
     marks.drag(24, (6, -14))
     moved = marks.points() - laid.points
     zoom = marks.page.evaluate(f"{CANVAS}.zoom")
