@@ -1,6 +1,7 @@
 """The name of a model: what its weights are."""
 
 import hashlib
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
 
@@ -17,7 +18,7 @@ def model_id(kind: str, tensors: Mapping[str, np.ndarray]) -> str:
     return digest.hexdigest()
 
 
-class NamedByWeights:
+class NamedByWeights(ABC):
     """A model whose ``model_id`` is that of its tensors, whether it has ever been in a file or not."""
 
     kind: str
@@ -27,6 +28,6 @@ class NamedByWeights:
         """SHA-256 of its weights, see the function of this name."""
         return model_id(self.kind, self.tensors())
 
+    @abstractmethod
     def tensors(self) -> dict[str, np.ndarray]:
         """Arrays by name, as a checkpoint holds them."""
-        raise NotImplementedError

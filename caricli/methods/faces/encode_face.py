@@ -134,8 +134,10 @@ def _given_shift(face: Face, model: ShapeModel, shift: np.ndarray) -> np.ndarray
         return shift
     mended = model.template.mended(decoded)
     components = model.template.gradients.components
-    away = components.averages @ (face.vertices - mended)
-    return shift + away if _same(mended + away[components.labels], face.vertices) else None
+    means = components.averages @ face.vertices
+    if not _same(components.place(mended, means), face.vertices):
+        return None
+    return shift + means - components.averages @ mended
 
 
 def _same(vertices: np.ndarray, others: np.ndarray) -> bool:
