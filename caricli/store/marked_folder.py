@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, OutputError, shown
-from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.io.landmarks import write_landmarks
 from caricli.io.outputs import staged
 from caricli.store.face_pictures import FaceReader
 from caricli.store.pictures import MARKS, PICTURES, load_marked_picture, marks_beside, pictures_in
@@ -24,12 +24,21 @@ class MarkedFolder:
 
     @staticmethod
     def of(path: Path) -> "MarkedFolder":
-        """The pictures of a folder by their names, or one picture. Raises InputError where there are none."""
+        """The pictures of a folder by their names, or one picture.
+
+        Raises InputError where there are none, and where two of them would share a landmark file.
+        """
         if not path.is_dir():
             return MarkedFolder((path,))
         pictures = tuple(pictures_in(path))
         if not pictures:
             raise InputError(f"{shown(path)}: expected pictures ({', '.join(PICTURES)}), found none")
+        by_stem: dict[str, Path] = {}
+        for picture in pictures:
+            other = by_stem.setdefault(picture.stem, picture)
+            if other != picture:
+                pair = f"{shown(other.name)} and {shown(picture.name)}"
+                raise InputError(f"{shown(path)}: expected pictures whose names differ before the suffix, found {pair}")
         return MarkedFolder(pictures)
 
     def file(self, picture: Path) -> Path:
@@ -67,15 +76,14 @@ class MarkedFolder:
     def write(self, picture: Path, landmarks: Landmarks) -> Path:
         """Write landmarks beside a picture, in the format that they have there, and say where.
 
-        What is there is replaced where it holds landmarks. Raises OutputError where it holds something else, or nothing
-        can be written.
+        What is there is replaced where it holds landmarks of such a picture. Raises OutputError where it holds something
+        else, or nothing can be written.
         """
         file = self.file(picture)
-        if file.is_file():
-            try:
-                read_landmarks(file)
-            except InputError as error:
-                raise OutputError(f"{error}; it is not replaced") from error
+        try:
+            self.read(picture)
+        except InputError as error:
+            raise OutputError(f"{error}; it is not replaced") from error
         with staged(file, overwrite=True, inputs=(picture,)) as temporaries:
             write_landmarks(temporaries[0], landmarks)
         return file

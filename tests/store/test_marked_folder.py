@@ -29,6 +29,13 @@ def test_pictures_come_by_their_names_and_one_picture_alone(folder):
         MarkedFolder.of(folder / "empty")
 
 
+def test_two_pictures_of_one_name_are_refused_because_they_would_share_their_landmarks(folder):
+    Image.new("RGB", (64, 64)).save(folder / "a.png")
+    with pytest.raises(InputError, match=r"expected pictures whose names differ .*, found a\.jpg and a\.png"):
+        MarkedFolder.of(folder)
+    assert MarkedFolder.of(folder / "a.png").pictures == (folder / "a.png",)
+
+
 def test_what_is_done_is_told_by_the_files(folder):
     a, b, c = (folder / name for name in ("a.jpg", "b.png", "c.webp"))
     marked = MarkedFolder.of(folder)
@@ -70,3 +77,11 @@ def test_landmarks_of_another_picture_are_refused(folder):
     write_landmarks(folder / "a.json", Landmarks(POINTS + 900, (1000, 1000)))
     with pytest.raises(InputError, match="expected landmarks of the 64 x 64 picture"):
         MarkedFolder.of(folder).read(folder / "a.jpg")
+
+
+def test_landmarks_of_another_picture_are_not_replaced(folder):
+    others = Landmarks(POINTS + 900, (1000, 1000))
+    write_landmarks(folder / "a.json", others)
+    with pytest.raises(OutputError, match="expected landmarks of the 64 x 64 picture .*; it is not replaced"):
+        MarkedFolder.of(folder).write(folder / "a.jpg", Landmarks(POINTS, (64, 64)))
+    assert np.array_equal(read_landmarks(folder / "a.json").points, others.points)
