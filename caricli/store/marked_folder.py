@@ -58,15 +58,18 @@ class MarkedFolder:
         """The first picture that is not done, or the first of all."""
         return next((picture for picture in self.pictures if not self.is_done(picture)), self.pictures[0])
 
-    def next(self, picture: Path) -> Path | None:
-        """The next picture that is not done, around the end; None where all are."""
-        place = self.pictures.index(picture) + 1
-        around = (*self.pictures[place:], *self.pictures[:place])
-        return next((each for each in around if not self.is_done(each)), None)
+    def others(self, picture: Path, step: int = 1) -> list[Path]:
+        """All pictures but one, from the next one on, around the end. step: 1, or -1 for backwards."""
+        place = self.pictures.index(picture)
+        return [self.pictures[(place + step * k) % len(self.pictures)] for k in range(1, len(self.pictures))]
 
-    def beside(self, picture: Path, step: int) -> Path:
-        """The picture some steps on, around the end, done or not."""
-        return self.pictures[(self.pictures.index(picture) + step) % len(self.pictures)]
+    def left(self, picture: Path) -> list[Path]:
+        """Those of the others that are not done."""
+        return [each for each in self.others(picture) if not self.is_done(each)]
+
+    def candidates(self, picture: Path) -> list[Path]:
+        """A picture to begin with, and those to take where it cannot be read: first what is not done."""
+        return [picture, *sorted(self.others(picture), key=self.is_done)]
 
     def read(self, picture: Path) -> Landmarks | None:
         """Landmarks of a picture, or None where it has none yet. Raises InputError where they are of another."""
@@ -76,8 +79,8 @@ class MarkedFolder:
     def write(self, picture: Path, landmarks: Landmarks) -> Path:
         """Write landmarks beside a picture, in the format that they have there, and say where.
 
-        What is there is replaced where it holds landmarks of such a picture. Raises OutputError where it holds something
-        else, or nothing can be written.
+        What is there is replaced where it holds landmarks of such a picture. Raises OutputError where it holds
+        something else, or nothing can be written.
         """
         file = self.file(picture)
         try:

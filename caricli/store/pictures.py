@@ -42,8 +42,9 @@ _WHITE = 127
 
 
 def pictures_in(folder: Path) -> list[Path]:
-    """The pictures of a folder, by their names."""
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in PICTURES and path.is_file())
+    """The pictures of a folder, by their names; hidden files, such as what macOS keeps beside pictures, are none."""
+    seen = (path for path in folder.iterdir() if not path.name.startswith("."))
+    return sorted(path for path in seen if path.suffix.lower() in PICTURES and path.is_file())
 
 
 def marks_beside(picture: Path) -> Path | None:

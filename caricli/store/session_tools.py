@@ -26,6 +26,7 @@ from caricli.store.faces import load_latent_face
 from caricli.store.gestures import load_gestures
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
+from caricli.store.pictures import PICTURES
 from caricli.store.sketch_networks import load_sketch_pair
 from caricli.store.sketches import load_sketch
 from caricli.structures import Directions, Face, Operation, Sketch, Start
@@ -92,7 +93,7 @@ def load_start(path: Path | None, tools: SessionTools) -> Work:
         return Work(encode_face(mean, model))
     if path.suffix.lower() == ".npz" or is_mesh_file(path):
         return Work(load_latent_face(path, model, anew=True)[0])
-    if is_image_file(path):
+    if is_image_file(path) or path.suffix.lower() in PICTURES:
         picture = read_image(path)
         height, width = picture.shape[:2]
         return Work(encode_face(mean, model), Sketch(size=(width, height)), picture=picture)

@@ -16,10 +16,11 @@ from fastapi import FastAPI, Request, Response
 from nicegui import ui
 from PIL import Image
 
-from caricli.errors import CaricliError, shown
+from caricli.errors import CaricliError, InputError, shown
 from caricli.io.image import is_image_file
 from caricli.limits import MAX_IMAGE_BYTES
 from caricli.methods.session.pull_basis import dressed_vertices
+from caricli.methods.session.work import Work
 from caricli.store.marked_folder import MarkedFolder
 from caricli.store.session_tools import SessionTools, load_start, start_of
 from caricli.studio.desk import Desk
@@ -61,9 +62,11 @@ class Studio:
         if path is not None and (path.is_dir() or is_image_file(path)):
             self.mode = "landmarks" if path.is_dir() else self.mode
             self.marked = MarkedFolder.of(path)
-            path = self.marked.first()
+            path, work = _first_that_opens(self.marked, tools)
+        else:
+            work = load_start(path, tools)
         self.picture = path
-        self.begun = load_start(path, tools), start_of(path)
+        self.begun = work, start_of(path)
         self.desks: dict[str, Desk] = {}
         self.opened: dict[str, Callable] = {}
         self.here: dict[str, Callable[[], bool]] = {}
@@ -101,6 +104,20 @@ class Studio:
         """A tab is gone."""
         for each in (self.desks, self.here, self.opened):
             each.pop(desk.key, None)
+
+
+def _first_that_opens(folder: MarkedFolder, tools: SessionTools) -> tuple[Path, Work]:
+    """The picture of a folder to begin with, and its Work; those that cannot be read are passed over.
+
+    Raises InputError where none can be read.
+    """
+    refused = []
+    for picture in folder.candidates(folder.first()):
+        try:
+            return picture, load_start(picture, tools)
+        except InputError as error:
+            refused.append(error)
+    raise refused[0]
 
 
 def studio_app(studio: Studio, page: Callable, token: str | None = None) -> FastAPI:

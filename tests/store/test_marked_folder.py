@@ -23,7 +23,7 @@ def folder(tmp_path):
 def test_pictures_come_by_their_names_and_one_picture_alone(folder):
     assert [each.name for each in MarkedFolder.of(folder).pictures] == ["a.jpg", "b.png", "c.webp"]
     alone = MarkedFolder.of(folder / "b.png")
-    assert alone.pictures == (folder / "b.png",) and alone.beside(folder / "b.png", 1) == folder / "b.png"
+    assert alone.pictures == (folder / "b.png",) and alone.others(folder / "b.png") == []
     (folder / "empty").mkdir()
     with pytest.raises(InputError, match="expected pictures .*, found none"):
         MarkedFolder.of(folder / "empty")
@@ -41,14 +41,20 @@ def test_what_is_done_is_told_by_the_files(folder):
     marked = MarkedFolder.of(folder)
     assert marked.done == 0 and marked.first() == a and marked.read(a) is None
     assert marked.write(b, Landmarks(POINTS, (64, 64))) == folder / "b.json"
-    assert marked.done == 1 and marked.first() == a and marked.next(a) == c and marked.next(c) == a
+    assert (
+        marked.candidates(a) == [a, c, b]
+        and marked.done == 1
+        and marked.first() == a
+        and marked.left(a) == [c]
+        and marked.left(c) == [a]
+    )
     assert np.array_equal(marked.read(b).points, POINTS)
     again = MarkedFolder.of(folder)
     again.write(a, Landmarks(POINTS))
-    assert again.first() == c and again.next(c) == c
+    assert again.first() == c and again.left(c) == [] and again.candidates(c) == [c, a, b]
     again.write(c, Landmarks(POINTS))
-    assert again.next(c) is None and again.first() == a and again.done == 3
-    assert again.beside(c, 1) == a and again.beside(a, -1) == c
+    assert again.left(c) == [] and again.first() == a and again.done == 3
+    assert again.others(c) == [a, b] and again.others(a, -1) == [c, b]
 
 
 @pytest.mark.parametrize("suffix", [".json", ".pts", ".txt", ".npy"])

@@ -6,7 +6,7 @@ from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.parsing import SCHEMA
 from caricli.io.strict_json import write_json
-from caricli.store.pictures import find_picture, load_eyes, load_marked_picture, load_mask, load_regions
+from caricli.store.pictures import find_picture, load_eyes, load_marked_picture, load_mask, load_regions, pictures_in
 from caricli.structures import Landmarks
 from caricli.structures.parsing import Region
 
@@ -43,6 +43,11 @@ def test_suffixes_may_be_in_capitals_and_the_first_kind_counts(photo, tmp_path):
     assert find_picture(photo.parent, tmp_path / "marks.json", "marks") == taken
     (photo.parent / "marks.Png").write_bytes(taken.read_bytes())
     assert find_picture(photo.parent, tmp_path / "marks.json", "marks").name == "marks.Png"
+
+
+def test_hidden_files_are_no_pictures(photo):
+    (photo.parent / "._marks.png").write_bytes(b"kept by macOS")
+    assert pictures_in(photo.parent) == [photo]
 
 
 def test_landmarks_learn_the_size_of_their_picture(points, photo, tmp_path):

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from caricli.errors import InputError
 from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.methods.marks.lay_mean_shape import lay_mean_shape
 from caricli.methods.session.history import History
 from caricli.methods.session.work import Work
-from caricli.store.marked_folder import seen_marks
+from caricli.store.marked_folder import MarkedFolder, seen_marks
 from caricli.structures.detection import FaceFrame
 from caricli.studio.desk import Desk
 from caricli.studio.modes.landmarks_mode import LandmarksMode
@@ -220,6 +221,7 @@ def test_landmarks_that_come_after_another_picture_was_opened_are_left(monkeypat
     monkeypatch.setattr(page, "_after", lambda *values: None)
     mode: Any = LandmarksMode(page)
     mode.reader = None
+    mode.passed = ""
     mode._count = lambda: len(laid.points)
     mode._mean = lambda pixels: laid
     opening = False
@@ -228,3 +230,43 @@ def test_landmarks_that_come_after_another_picture_was_opened_are_left(monkeypat
     opening = True
     run_apart(mode._find())
     assert len(marked) == 1 and not desk.history.done
+
+
+def test_a_picture_that_cannot_be_read_is_passed_over_and_said(folder, laid):
+    folder.joinpath("c.png").write_text("no picture")
+
+    def opened(path):
+        if path.name in ("c.png", "d.png"):
+            raise InputError(f"{path.name}: expected an image")
+
+    said: list[str] = []
+    shown: list[Any] = []
+    Image.new("RGB", SIZE).save(folder / "e.png")
+
+    async def run(function, *values):
+        return function(*values)
+
+    async def do(operation, words, picture):
+        said.append(words)
+
+    async def save():
+        return True
+
+    desk = SimpleNamespace(open=opened, start=None, history=SimpleNamespace(done=[]))
+    marked = MarkedFolder.of(folder)
+    studio = SimpleNamespace(run=run, marked=marked)
+    page: Any = SimpleNamespace(
+        studio=studio, desk=desk, do=do, say=said.append, begun=lambda: shown.append(mode.picture)
+    )
+    mode: Any = LandmarksMode(page)
+    mode.picture = folder / "b.png"
+    mode._save = save
+    run_apart(mode._go(1))
+    assert shown == [folder / "e.png"] and said == []
+    for _ in range(2):
+        run_apart(mode._put(None, laid, "As found."))
+    assert said == ["Passed over c.png: expected an image. As found.", "As found."]
+    for name in ("b", "e"):
+        folder.joinpath(f"{name}.json").touch()
+    run_apart(mode._next())
+    assert said[2:] == ["Passed over c.png: expected an image. "] and mode.picture == folder / "e.png"

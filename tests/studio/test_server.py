@@ -2,6 +2,7 @@ from typing import Any
 
 import pytest
 
+from caricli.errors import InputError
 from caricli.methods.session.work import Work
 from caricli.studio.server import MOST_DESKS, Studio
 
@@ -13,6 +14,28 @@ def studio(monkeypatch):
     monkeypatch.setattr("caricli.studio.server.load_start", lambda path, tools: Work(anything))
     monkeypatch.setattr("caricli.studio.server.dressed_vertices", lambda face, tools: None)
     return Studio(anything, None)
+
+
+def test_a_folder_begins_with_the_first_picture_that_can_be_read(monkeypatch, tmp_path):
+    for name in ("a.png", "b.png", "c.png"):
+        (tmp_path / name).write_text("a picture")
+    (tmp_path / "b.json").touch()
+    anything: Any = None
+    damaged = {"a.png"}
+
+    def load_start(path, tools):
+        if path.name in damaged:
+            raise InputError(path.name)
+        return Work(anything)
+
+    monkeypatch.setattr("caricli.studio.server.load_start", load_start)
+    monkeypatch.setattr("caricli.studio.server.dressed_vertices", lambda face, tools: None)
+    assert Studio(anything, tmp_path).picture == tmp_path / "c.png"
+    damaged.add("c.png")
+    assert Studio(anything, tmp_path).picture == tmp_path / "b.png"
+    damaged.add("b.png")
+    with pytest.raises(InputError, match=r"a\.png"):
+        Studio(anything, tmp_path)
 
 
 def test_tabs_that_no_browser_shows_end_first(studio):

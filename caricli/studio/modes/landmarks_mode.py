@@ -1,5 +1,6 @@
 """Placing the landmarks of a picture, or of all pictures of a folder."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,7 @@ class LandmarksMode(Mode):
         self.reader = FaceReader()
         self.picture: Path | None = self.page.studio.picture if self.page.studio.marked else None
         self.fresh = self.picture is not None
+        self.passed = ""  # what is said of pictures before this one that could not be read
         self.begun = self.page.desk.start
         self.seen = False
         self.laid = False
@@ -123,6 +125,7 @@ class LandmarksMode(Mode):
         if desk.start != self.begun:
             self.begun = desk.start
             self.picture = None
+            self.passed = ""
         self.seen = False
         self.chosen.text = _NONE_CHOSEN
         self.laid = False
@@ -185,14 +188,14 @@ class LandmarksMode(Mode):
             first = self._first(folder)
             if first != self.picture:
                 # What was the first without landmarks when the server began may have some by now.
-                await self._open(first)
+                await self._open_first(folder.candidates(first))
                 return
         if folder is not None and self.picture is not None and folder.is_done(self.picture):
             try:
                 name = folder.file(self.picture).name
                 await self._put(pixels, folder.read(self.picture), f"Landmarks of {name}.")
             except CaricliError as error:
-                self.page.say(str(error))
+                self.page.say(self._after_passed(str(error)))
         else:
             await self._find()
 
@@ -214,7 +217,7 @@ class LandmarksMode(Mode):
         """Landmarks for a picture, unless another one was opened while they were made."""
         if landmarks is not None:
             operation = Operation("marks", {"landmarks": landmarks_to_json(landmarks)})
-            await self.page.do(operation, words=words, picture=pixels)
+            await self.page.do(operation, words=self._after_passed(words), picture=pixels)
 
     async def _find(self) -> None:
         pixels = self.page.desk.work.picture
@@ -308,29 +311,43 @@ class LandmarksMode(Mode):
         folder = self.page.studio.marked
         if folder is None or self.picture is None or not await self._save():
             return
-        picture = folder.next(self.picture)
-        if picture is None:
-            self.page.say("All pictures are done.", "note")
+        left = folder.left(self.picture)
+        if left:
+            await self._open_first(left)
         else:
-            await self._open(picture)
+            self.page.say("All pictures are done.", "note")
 
     async def _go(self, step: int) -> None:
         folder = self.page.studio.marked
         if folder is not None and folder.pictures:
-            await self._open(folder.beside(self.picture or folder.pictures[0], step))
+            await self._open_first(folder.others(self.picture or folder.pictures[0], step))
 
-    async def _open(self, picture: Path) -> None:
+    async def _open_first(self, pictures: Sequence[Path]) -> None:
+        """Open the first of some pictures that can be read, and say which ones before it cannot."""
         self.fresh = False
-        try:
-            await self.page.studio.run(self.page.desk.open, picture)
-        except CaricliError as error:
-            self.page.say(str(error))
+        self.passed = ""
+        for picture in pictures:
+            try:
+                await self.page.studio.run(self.page.desk.open, picture)
+            except CaricliError as error:
+                self.passed += f"Passed over {error}. "
+                continue
+            self._show_opened(picture)
             return
+        self.page.say(self.passed)
+
+    def _show_opened(self, picture: Path) -> None:
         self.picture = picture
         self.begun = self.page.desk.start
         if self.page.desk.history.done:
-            self.page.say(f"What was done with {shown(picture.name)} is back.", "note")
+            self.page.say(self._after_passed(f"What was done with {shown(picture.name)} is back."), "note")
         self.page.begun()
+
+    def _after_passed(self, words: str) -> str:
+        """Words behind what is said of pictures that were passed over, which is said once."""
+        whole = self.passed + words
+        self.passed = ""
+        return whole
 
     def _tell_progress(self) -> None:
         folder = self.page.studio.marked
