@@ -232,6 +232,24 @@ def test_landmarks_that_come_after_another_picture_was_opened_are_left(monkeypat
     assert len(marked) == 1 and not desk.history.done
 
 
+def test_a_picture_too_small_for_a_face_is_told(head_template):
+    said: list[str] = []
+
+    async def run(function, *values):
+        return None if function is seen_marks else function(*values)
+
+    desk = SimpleNamespace(work=Work(cast(Any, None), picture=np.zeros((5, 5, 3), np.uint8)))
+    page: Any = SimpleNamespace(studio=SimpleNamespace(run=run), desk=desk, say=lambda *words: said.append(words[0]))
+    mode: Any = LandmarksMode(page)
+    mode.reader = None
+    mode.passed = ""
+    mode._count = lambda: 68
+    mode._marking = lambda: SimpleNamespace(model=SimpleNamespace(template=head_template))
+    for begin in (mode._find, mode._lay):
+        run_apart(begin())
+        assert said[-1].startswith("expected the landmarks of a face in the 5 x 5 image")
+
+
 def test_a_picture_that_cannot_be_read_is_passed_over_and_said(folder, laid):
     folder.joinpath("c.png").write_text("no picture")
 

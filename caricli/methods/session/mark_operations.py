@@ -78,7 +78,7 @@ def mark_face(work: Work, parameters: Parameters, tools: Tools) -> Work:
 def placed_marks(work: Work) -> Landmarks:
     """The landmarks of a work. Raises InputError where there are none."""
     if work.landmarks is None:
-        raise InputError("expected landmarks first, found none; place them with marks")
+        raise InputError("expected landmarks first, found none; Find the face or Mean shape lays some")
     return work.landmarks
 
 

@@ -236,10 +236,14 @@ class LandmarksMode(Mode):
         if pixels is not None:
             await self._put(pixels, self._mean(pixels))
 
-    def _mean(self, pixels: np.ndarray) -> Landmarks:
-        """The mean shape in the middle of a picture."""
+    def _mean(self, pixels: np.ndarray) -> Landmarks | None:
+        """The mean shape in the middle of a picture, or None where that has no room for it, which is said."""
         size = (pixels.shape[1], pixels.shape[0])
-        return lay_mean_shape(self._marking().model.template, middle_frame(size), size)
+        try:
+            return lay_mean_shape(self._marking().model.template, middle_frame(size), size)
+        except CaricliError as error:
+            self.page.say(self._after_passed(str(error)))
+            return None
 
     async def _make(self) -> None:
         await self.page.do(Operation("mark_face"), words="The face that the landmarks are of.")
