@@ -153,7 +153,8 @@ def studio_app(studio: Studio, page: Callable, token: str | None = None) -> Fast
     async def open_file(key: str, name: str, request: Request) -> Response:
         return await _opened(studio, key, name, request)
 
-    ui.run_with(app, root=page, title="caricli studio", language="en-US", dark=None, **_QUIET)
+    ui.page("/")(page)
+    ui.run_with(app, title="caricli studio", language="en-US", dark=None, **_QUIET)
     app.add_middleware(Guard, token=token)
     return app
 

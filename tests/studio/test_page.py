@@ -4,6 +4,8 @@ import json
 import zipfile
 from types import SimpleNamespace
 from typing import Any
+from urllib.error import HTTPError
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
@@ -221,6 +223,12 @@ def test_a_tab_that_the_server_has_ended_says_so(tab):
     tab.page.get_by_role("button", name="New").click()
     tab.page.get_by_role("alert").get_by_text("this one has ended").wait_for()
     assert not tab.faults
+
+
+@pytest.mark.parametrize("path", ["nope", "docs", "openapi.json", "studio/nobody/nothing"])
+def test_there_is_no_page_under_other_addresses(server, path):
+    with pytest.raises(HTTPError, match="404"):
+        urlopen(f"{server.url}{path}", timeout=60)
 
 
 def test_two_tabs_do_not_see_each_other(browser, server):
