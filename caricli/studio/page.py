@@ -207,7 +207,6 @@ class Page:
                     self.say(str(error))
         finally:
             self._busy = False
-        self._bare = ""  # name of what was opened without its materials
 
     async def undo(self) -> None:
         """One operation back."""
