@@ -37,6 +37,9 @@ _STYLES = [Path(__file__).with_name(name) for name in ("studio.css", "landmark_c
 _ENTERED = 0.2
 """Seconds until a panel is there."""
 
+_IS_DARK = "() => emit(document.body.classList.contains('body--dark'))"
+"""What a browser tells of how the page looks."""
+
 SAVES = {
     "face": "Face: OBJ and NPZ",
     "rig": "Rig: GLB with 52 expressions",
@@ -111,7 +114,8 @@ class Page:
                     for kind, words in SAVES.items():
                         item = ui.menu_item(words, on_click=partial(self._save, kind))
                         item.props(f'role="menuitem" data-kind="{kind}"')
-                ui.button(icon="contrast", on_click=self._contrast).props('flat dense aria-label="Light or dark"')
+                contrast = ui.button(icon="contrast").props('flat dense aria-label="Light or dark"')
+                contrast.on("click", self._contrast, js_handler=_IS_DARK)
 
     async def _save(self, kind: str) -> None:
         """Give a file to the browser, which takes it home, or say why there is none."""
@@ -331,9 +335,9 @@ class Page:
             self.say("Your drawing is back. New begins an empty one.", "note")
             self.begun()
 
-    def _contrast(self) -> None:
-        dark = self.dark.value
-        self.dark.value = not dark if dark is not None else True
+    def _contrast(self, event: Any) -> None:
+        """The opposite of what is seen, which the system may have chosen."""
+        self.dark.value = not event.args
 
 
 def studio_page(studio: Studio) -> Callable:

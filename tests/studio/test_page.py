@@ -225,6 +225,17 @@ def test_a_tab_that_the_server_has_ended_says_so(tab):
     assert not tab.faults
 
 
+def test_the_first_click_on_light_or_dark_is_seen_on_a_dark_system(browser, server):
+    context = browser.new_context(color_scheme="dark")
+    context.set_default_timeout(PATIENCE)
+    tab = Tab(context.new_page())
+    tab.go(server.url)
+    for look in ("light", "dark", "light"):
+        tab.page.get_by_role("button", name="Light or dark").click()
+        tab.page.locator(f"body.body--{look}").wait_for()
+    context.close()
+
+
 @pytest.mark.parametrize("path", ["nope", "docs", "openapi.json", "studio/nobody/nothing"])
 def test_there_is_no_page_under_other_addresses(server, path):
     with pytest.raises(HTTPError, match="404"):
