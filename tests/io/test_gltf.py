@@ -378,6 +378,65 @@ def test_a_head_goes_before_the_hair_below_it_that_was_written_first(full_rig, t
     np.testing.assert_array_equal(read_gltf_mesh(tmp_path / "b.glb").faces, rig.faces)
 
 
+def taken_into_meshes(folder, rig, named=True, sourced=True):
+    """A document in which every primitive of a rig is the mesh of a node of its own, the eyes first, and its bytes."""
+    write_gltf(folder / "a.glb", rig)
+    document, binary = taken_apart(folder / "a.glb")
+    meshes = [mesh | {"primitives": [each]} for mesh in document["meshes"] for each in mesh["primitives"]]
+    document["meshes"] = [meshes[1], meshes[0], *meshes[2:]]
+    for mesh in document["meshes"]:
+        mesh.pop("extras" if not named else "", None)
+        mesh["primitives"][0]["attributes"].pop("_SOURCE_VERTEX" if not sourced else "", None)
+    document["nodes"] = [{"mesh": number} for number in range(len(meshes))]
+    document["nodes"].append({"children": [*range(len(meshes))], "scale": [2, 2, 2], "translation": [0, 5, 0]})
+    document["scenes"] = [{"nodes": [len(meshes)]}]
+    return document, binary
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_head_of_which_parts_are_meshes_of_their_own_is_read_whole(full_rig, tmp_path, named):
+    rig = haired(full_rig)
+    put_together(tmp_path / "b.glb", *taken_into_meshes(tmp_path, rig, named))
+    back = read_gltf(tmp_path / "b.glb")
+    assert (back.names == rig.names) == named
+    np.testing.assert_allclose(back.neutral, 2 * rig.neutral, rtol=1e-6)
+    np.testing.assert_allclose(back.deltas, 2 * rig.deltas, rtol=1e-6)
+    np.testing.assert_array_equal(np.sort(back.faces, axis=0), np.sort(rig.faces, axis=0))
+    assert back.pictures.same(rig.pictures)
+    assert sorted(back.triangle_materials) == sorted(rig.triangle_materials)
+    np.testing.assert_array_equal(read_gltf_mesh(tmp_path / "b.glb").faces, back.faces)
+
+
+def test_parts_that_another_program_made_meshes_of_their_own_are_read_with_the_head(full_rig, tmp_path):
+    rig = haired(full_rig)
+    document, binary = taken_into_meshes(tmp_path, rig, sourced=False)
+    eyes = document["meshes"][0]
+    name = eyes["extras"]["targetNames"][-1]
+    eyes["extras"] = {"targetNames": [name]}
+    eyes["primitives"][0]["targets"] = eyes["primitives"][0]["targets"][-1:]
+    put_together(tmp_path / "b.glb", document, binary)
+    back = read_gltf(tmp_path / "b.glb")
+    assert back.names == rig.names and len(back.faces) == len(rig.faces) and back.pictures.same(rig.pictures)
+    moved = np.unique(back.faces[back.triangle_materials == Material.EYE])
+    assert not back.deltas[:-1, moved].any()
+    np.testing.assert_allclose(np.abs(back.deltas[-1, moved]).max(), 2 * np.abs(rig.deltas[-1]).max(), rtol=0.9)
+
+
+@pytest.mark.parametrize("node", [{}, {"translation": [9, 0, 0]}])
+def test_another_head_and_what_no_head_wears_are_left(full_rig, tmp_path, node):
+    rig = haired(full_rig)
+    document, binary = taken_into_meshes(tmp_path, rig, sourced=False)
+    skin = document["meshes"][1]
+    together = document["nodes"][-1]["children"]
+    body = {"primitives": [{k: v for k, v in skin["primitives"][0].items() if k != "targets"}]}
+    for other in (copy.deepcopy(skin), body):
+        together.append(len(document["nodes"]))
+        document["nodes"].append({"mesh": len(document["meshes"])} | node)
+        document["meshes"].append(other)
+    put_together(tmp_path / "b.glb", document, binary)
+    assert len(read_gltf(tmp_path / "b.glb").faces) == len(rig.faces)
+
+
 def test_pictures_have_names(full_rig, tmp_path):
     write_gltf(tmp_path / "a.glb", changing(moody(haired(full_rig))))
     names = [image["name"] for image in taken_apart(tmp_path / "a.glb")[0]["images"]]

@@ -13,10 +13,11 @@ from caricli.io.gltf.container import read_container
 from caricli.io.gltf.document import Document
 from caricli.io.gltf.format import SOURCE_VERTEX
 from caricli.io.gltf.materials import Placing, kind_of, material_of, picture_of, placing_of
-from caricli.io.gltf.scene import mesh_stance, node_placements, node_transform
+from caricli.io.gltf.rig_parts import RigPart, primitives_of, rig_parts
+from caricli.io.gltf.scene import node_placements
 from caricli.io.gltf.variants import moods_of
 from caricli.io.strict_json import take, take_whole
-from caricli.limits import MAX_CORNERS, MAX_NPZ_BYTES, MAX_SHAPES, MAX_VERTICES
+from caricli.limits import MAX_CORNERS, MAX_NPZ_BYTES, MAX_VERTICES
 from caricli.structures import Material, Mesh, Pictures, Rig
 from caricli.structures.pictures import PICTURED
 
@@ -27,14 +28,13 @@ _SAME_PLACE = 1e-5
 
 
 def read_gltf(path: str | Path) -> Rig:
-    """Read the first mesh with morph targets of a GLB, or where none has any the first one, ours or another program's.
+    """Read the mesh with most morph targets of a GLB, or where none has any the first one, ours or another program's.
 
-    Vertices with the same `SOURCE_VERTEX` become one again, those of the meshes below its node, such as hair, among
-    them, where these put them. Its node and those above it turn, scale and mirror it, but for what an animation moves;
-    where its node is says nothing, for there the head turns. Of the materials the base colour's picture is read,
-    where it is embedded; UVs are those that it lies by. Materials named as ours say what they are of. Variants of the
-    skin's material, with pictures as large as its own, are moods; its changes are read. Skins, animations and weights
-    are left aside.
+    What ``rig_parts`` says belongs to it comes along. Vertices with the same `SOURCE_VERTEX` become one again. Its node
+    and those above it turn, scale and mirror it, but for what an animation moves. Of the materials the base colour's
+    picture is read, where it is embedded; UVs are those that it lies by. Materials named as ours say what they are of.
+    Variants of the skin's material, with pictures as large as its own, are moods; its changes are read. Skins,
+    animations and weights are left aside.
     path: a GLB file, or a .gltf, without external files.
     Returns a Rig of triangles; polygons only beside UVs or materials.
     Raises InputError when it is malformed, compressed, has no mesh or is beyond the caps.
@@ -43,8 +43,8 @@ def read_gltf(path: str | Path) -> Rig:
     with naming(path):
         document = Document(content, buffers)
         _refuse_extensions(document)
-        mesh, primitives = _first_mesh(document)
-        return _rig(document, mesh, primitives)
+        names, parts, _ = rig_parts(document)
+        return _rig(document, names, parts)
 
 
 def read_gltf_mesh(path: str | Path) -> Mesh:
@@ -59,22 +59,32 @@ def read_gltf_mesh(path: str | Path) -> Mesh:
         document = Document(content, buffers)
         _refuse_extensions(document)
         _refuse_other_files(document)
-        mesh, primitives = _first_mesh(document)
-        if _is_ours(primitives) or primitives[0]["targets"]:
-            neutral = _rig(document, mesh, primitives).mesh
+        names, parts, is_ours = rig_parts(document)
+        if is_ours or names:
+            neutral = _rig(document, names, parts).mesh
             return neutral.with_vertices(neutral.vertices.astype(np.float64))
         return _scene_mesh(document)
 
 
 @dataclass(frozen=True)
 class _Block:
-    """Vertices that one or more primitives share: their accessors, those of their targets, how many they are, and
-    where they lie in the picture."""
+    """Vertices that one or more primitives share: their accessors, those of their targets, how many they are, where
+    they lie in the picture, and the transform (4,4) that puts them into place."""
 
     attributes: dict
     targets: list[dict]
     count: int
     placing: Placing
+    placement: np.ndarray
+
+    def positions(self, document: Document) -> np.ndarray:
+        """Vertices (V,3), float32."""
+        own = document.floats(self.attributes, "POSITION", 3, self.count)
+        return _stood(own, self.placement, self.placement[:3, 3])
+
+    def displacements(self, document: Document, target: int) -> np.ndarray:
+        """What a target does to them, (V,3) float32."""
+        return _stood(document.floats(self.targets[target], "POSITION", 3, self.count), self.placement)
 
     def uvs(self, document: Document) -> np.ndarray:
         """Places in the picture (V,2), origin at the bottom left."""
@@ -97,10 +107,13 @@ class _Surface:
         parts = [document.floats(block.attributes, key, width, block.count) for block in self.blocks]
         return np.concatenate(parts)
 
+    def positions(self, document: Document) -> np.ndarray:
+        """All vertices, (V,3) float32."""
+        return np.concatenate([block.positions(document) for block in self.blocks])
+
     def displacements(self, document: Document, target: int) -> np.ndarray:
         """What a target does to all vertices, (V,3) float32."""
-        parts = [document.floats(block.targets[target], "POSITION", 3, block.count) for block in self.blocks]
-        return np.concatenate(parts)
+        return np.concatenate([block.displacements(document, target) for block in self.blocks])
 
     def uvs(self, document: Document) -> np.ndarray | None:
         """Places in the picture (V,2), origin at the bottom left, or None where a vertex has none."""
@@ -123,138 +136,42 @@ def _refuse_other_files(document: Document) -> None:
                 raise InputError(f"{key}: expected one inside the file, found another file: {shown(uri, 60)!r}")
 
 
-def _first_mesh(document: Document) -> tuple[dict, list[dict]]:
-    """The first mesh with targets, else the first one, and its primitives, all with the same number of targets.
-
-    Those of nodes below others come last: Blender writes them first.
-    """
-    still = None
-    meshes = list(enumerate(take(document.content, "meshes", list, [])))
-    below = _meshes_below(document)
-    for _, mesh in sorted(meshes, key=lambda entry: entry[0] in below):
-        primitives = _primitives(mesh)
-        if not any(primitive.get("targets") for primitive in primitives):
-            if still is None and primitives:
-                still = mesh, [primitive | {"targets": []} for primitive in primitives]
-            continue
-        numbers = {len(take(primitive, "targets", list, [])) for primitive in primitives}
-        if len(numbers) > 1 or max(numbers) > MAX_SHAPES:
-            raise InputError(f"targets: expected as many in every primitive, at most {MAX_SHAPES}, found {numbers}")
-        return mesh, primitives
-    if still is None:
-        raise InputError("expected a mesh, found none")
-    return still
-
-
-def _meshes_below(document: Document) -> set[int]:
-    """Numbers of the meshes whose nodes are children of others."""
-    nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
-    children = [child for node in nodes for child in take(node, "children", list, [])]
-    below = [document.item({"node": child}, "node", "nodes").get("mesh") for child in children]
-    return {number for number in below if type(number) is int}
-
-
-def _is_ours(primitives: list[dict]) -> bool:
-    """Whether all vertices say where they come from."""
-    return all(SOURCE_VERTEX in take(primitive, "attributes", dict) for primitive in primitives)
-
-
-def _below(document: Document, mesh: dict, primitives: list[dict]) -> list[tuple[dict, np.ndarray]]:
-    """What keeps still right below the node of a mesh of ours, as primitives with as many targets as that has, each
-    with the transform (4,4) of its node.
-
-    Where another program left out where vertices come from, only what is all hair.
-    """
-    ours = _is_ours(primitives)
-    number = next(k for k, other in enumerate(document.content["meshes"]) if other is mesh)
-    nodes = [node for node in take(document.content, "nodes", list, []) if isinstance(node, dict)]
-    children = take(next((node for node in nodes if node.get("mesh") == number), {}), "children", list, [])
-    still: list[tuple[dict, np.ndarray]] = []
-    for child in children:
-        node = document.item({"node": child}, "node", "nodes")
-        others = [] if "mesh" not in node else _primitives(document.item(node, "mesh", "meshes"))
-        belongs = _is_ours(others) if ours else _is_hair(document, others)
-        if belongs and not any(other.get("targets") for other in others):
-            targets: dict = {"targets": [{}] * len(primitives[0]["targets"])}
-            still += [(other | targets, node_transform(node)) for other in others]
-    return still
-
-
-def _is_hair(document: Document, primitives: list[dict]) -> bool:
-    """Whether all is hair with a place in a picture."""
-    materials = [material_of(document, primitive) for primitive in primitives]
-    attributes = [take(primitive, "attributes", dict) for primitive in primitives]
-    placed = [placing_of(each).key in has for each, has in zip(materials, attributes, strict=True)]
-    return {kind_of(each) for each in materials} == {Material.HAIR} and all(placed)
-
-
-def _primitives(mesh: object) -> list[dict]:
-    primitives = take(mesh, "primitives", list) if isinstance(mesh, dict) else []
-    if not all(isinstance(primitive, dict) for primitive in primitives):
-        raise InputError("primitives: expected objects, found others")
-    return primitives
-
-
-def _rig(document: Document, mesh: dict, own: list[dict]) -> Rig:
-    names = _target_names(mesh, len(own[0]["targets"]))
-    below = _below(document, mesh, own)
-    primitives = [*own, *(primitive for primitive, _ in below)]
-    surface = _surface(document, primitives, len(names))
-    positions = surface.attribute(document, "POSITION", 3)
-    for part, (_, placement) in zip(surface.triangles[len(own) :], below, strict=True):
-        where = np.unique(part)
-        with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
-            positions[where] = positions[where] @ placement[:3, :3].T + placement[:3, 3]
-        part[:] = _outwards(part, placement)
-    stance = mesh_stance(document, mesh)
-    for part in surface.triangles:
-        part[:] = _outwards(part, stance)
-    positions = _stood(positions, stance)
+def _rig(document: Document, names: tuple[str, ...], parts: list[RigPart]) -> Rig:
+    surface = _surface(document, parts, len(names))
+    positions = surface.positions(document)
     kept = np.arange(len(positions))
     place = kept
     if surface.has(SOURCE_VERTEX):
         kept, place = _merged(surface.attribute(document, SOURCE_VERTEX, 1)[:, 0], positions)
     deltas = np.empty((len(names), len(kept), 3), np.float32)
     for k, delta in enumerate(deltas):
-        delta[:] = _stood(surface.displacements(document, k)[kept], stance)
+        delta[:] = surface.displacements(document, k)[kept]
     triangles = np.concatenate(surface.triangles)
     uvs = surface.uvs(document)
     uv_faces = None if uvs is None else triangles.astype(np.int32)
     neutral = Mesh(positions[kept], place[triangles].astype(np.int32), uvs, uv_faces)
-    return Rig(names, neutral, deltas, **_looks(document, primitives, surface))
+    return Rig(names, neutral, deltas, **_looks(document, [part.primitive for part in parts], surface))
 
 
-def _stood(vectors: np.ndarray, stance: np.ndarray) -> np.ndarray:
-    """Vectors (V,3) after a transform (3,3), float32; themselves, to the bit, where it is the identity."""
-    if np.array_equal(stance, np.eye(3)):
+def _stood(vectors: np.ndarray, placement: np.ndarray, shift: np.ndarray | float = 0.0) -> np.ndarray:
+    """Vectors (V,3) turned by a transform (4,4) and then moved by a shift (3,), float32; themselves, to the bit, where
+    that changes nothing."""
+    if np.array_equal(placement[:3, :3], np.eye(3)) and not np.any(shift):
         return vectors
     with np.errstate(over="ignore", invalid="ignore"):  # what comes of it no mesh takes
-        return (vectors @ stance.T).astype(np.float32)
+        return (vectors @ placement[:3, :3].T + shift).astype(np.float32)
 
 
-def _target_names(mesh: dict, count: int) -> tuple[str, ...]:
-    """The names of the targets, which glTF leaves to custom; where there are none, names are what is left of some."""
-    if not count:
-        return ()
-    extras = mesh.get("extras")
-    names = extras.get("targetNames") if isinstance(extras, dict) else None
-    if names is None:
-        return tuple(f"target_{k}" for k in range(count))
-    if not isinstance(names, list) or len(names) != count or not all(isinstance(name, str) for name in names):
-        raise InputError(f"targetNames: expected {count} names, found others")
-    return tuple(names)
-
-
-def _surface(document: Document, primitives: list[dict], shape_count: int) -> _Surface:
-    """The surface of primitives; those that share their vertices, and lie by the same UVs, share a block."""
+def _surface(document: Document, parts: list[RigPart], shape_count: int) -> _Surface:
+    """The surface of primitives; those that share their vertices, place and UVs share a block."""
     blocks: list[_Block] = []
     starts: dict[str, int] = {}
     triangles: list[np.ndarray] = []
     total = 0
     triangle_count = 0
-    for primitive in primitives:
-        block = _block(document, primitive)
-        key = repr((block.attributes, block.targets, block.placing))
+    for part in parts:
+        block = _block(document, part)
+        key = repr((block.attributes, block.targets, block.placing, part.placement.tolist()))
         if key not in starts:
             starts[key] = total
             total += block.count
@@ -262,20 +179,22 @@ def _surface(document: Document, primitives: list[dict], shape_count: int) -> _S
             if total > MAX_VERTICES or total * shape_count * 12 > MAX_NPZ_BYTES:
                 expected = f"at most {MAX_VERTICES} vertices and {MAX_NPZ_BYTES} bytes of displacements"
                 raise InputError(f"expected {expected}, found {total} vertices and {shape_count} targets")
-        triangles.append(starts[key] + _primitive_triangles(document, primitive, block.count))
+        own = _primitive_triangles(document, part.primitive, block.count)
+        triangles.append(starts[key] + _outwards(own, part.placement))
         triangle_count += len(triangles[-1])
         if triangle_count > MAX_CORNERS // 3:
             raise InputError(f"expected at most {MAX_CORNERS // 3} triangles, found more")
     return _Surface(blocks, triangles)
 
 
-def _block(document: Document, primitive: dict) -> _Block:
-    attributes = take(primitive, "attributes", dict)
-    targets = primitive["targets"]
+def _block(document: Document, part: RigPart) -> _Block:
+    attributes = take(part.primitive, "attributes", dict)
+    targets = part.primitive["targets"]
     if not all(isinstance(target, dict) for target in targets):
         raise InputError("targets: expected objects, found others")
     count = take_whole(document.item(attributes, "POSITION", "accessors"), "count", 1, MAX_VERTICES)
-    return _Block(attributes, targets, count, placing_of(material_of(document, primitive)))
+    placing = placing_of(material_of(document, part.primitive))
+    return _Block(attributes, targets, count, placing, part.placement)
 
 
 def _primitive_triangles(document: Document, primitive: dict, count: int) -> np.ndarray:
@@ -363,9 +282,9 @@ def _surfaces(document: Document) -> Iterator[tuple[_Surface, np.ndarray]]:
     """The surfaces of the nodes that have a mesh, and where the nodes put them (4,4)."""
     shown_any = False
     for mesh, placement in node_placements(document):
-        primitives = [primitive | {"targets": []} for primitive in _primitives(mesh)]
-        if primitives:
+        parts = [RigPart(primitive | {"targets": []}, np.eye(4)) for primitive in primitives_of(mesh)]
+        if parts:
             shown_any = True
-            yield _surface(document, primitives, 0), placement
+            yield _surface(document, parts, 0), placement
     if not shown_any:
         raise InputError("expected a mesh in the scene, found none")

@@ -12,20 +12,15 @@ from caricli.structures.checks import shape_problem
 _MAX_NODES = 16384
 
 
-def mesh_stance(document: Document, mesh: dict) -> np.ndarray:
-    """How the first node with a mesh and those above it turn, scale and mirror it: (3,3), the identity where it is in
-    no scene. What an animation moves is left aside, and so is where the node is.
-
-    Raises InputError as ``node_placements``.
-    """
+def resting_placements(document: Document) -> Iterator[tuple[dict, np.ndarray]]:
+    """``node_placements``, where what an animation moves is left aside."""
     moving: dict[int, set[str]] = {}
     for animation in take(document.content, "animations", list, []):
         for channel in take(animation, "channels", list, []) if isinstance(animation, dict) else ():
             target = take(channel, "target", dict, {}) if isinstance(channel, dict) else {}
             if "node" in target:
                 moving.setdefault(take_whole(target, "node", 0, _MAX_NODES), set()).add(str(target.get("path")))
-    placements = node_placements(document, moving)
-    return next((placement for other, placement in placements if other is mesh), np.eye(4))[:3, :3]
+    return node_placements(document, moving)
 
 
 def node_placements(
