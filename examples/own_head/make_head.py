@@ -229,6 +229,7 @@ class OwnHead:
             "extra13": number[note.landmarks[COUNT:]].tolist(),
             "jaw_paths": [number[path].tolist() for path in note.jaw_paths],
             "curves": {name: number[ids].tolist() for name, ids in note.curves.items()},
+            "closed_curves": note.source["closed_curves"],
             "regions": {name: region(ids) for name, ids in regions.items()},
         }
 

@@ -113,6 +113,8 @@ class SketchFit:
             told.append("begun with an elastic face, as no usual one comes near the lines")
         if self.strange:
             told.append("doubtful: so far from any face lines are of something else")
+        if self.errors["all"] > self.coarse["all"]:
+            told.append("doubtful: following the lines took the face farther from them")
         if self.exchanged:
             told.append("doubtful: its left and right lie as if exchanged; they are the subject's")
         if self.unlikely:

@@ -44,6 +44,12 @@ def test_following_goes_as_far_as_it_is_asked(reconstruction, sketch):
     assert fits[1].errors["all"] < 0.7 * fits[1].coarse["all"]
 
 
+def test_lines_from_which_following_leads_away_are_doubtful(reconstruction, sketch):
+    fit = reconstruction.reconstruct(sketch)
+    assert "doubtful" not in fit.describe()
+    assert "took the face farther from them" in replace(fit, errors={"all": 2 * fit.coarse["all"]}).describe()
+
+
 def test_a_redrawn_mouth_moves_the_mouth(reconstruction, sketch):
     def wide(stroke):
         if stroke.curve is None or not stroke.curve.startswith("mouth"):
