@@ -79,7 +79,8 @@ def test_its_own_way_needs_no_directions(run, refused, people, models, tmp_path)
     options = ("--out", tmp_path / "c.obj", "--model", models["pca"])
     result = run("caricaturize", people[0], "--mode", "own", *options)
     assert result.exit_code == 0, result.output
-    assert read_json(tmp_path / "c.json")["after"]["exaggeration"]["caricature"] is None
+    report = read_json(tmp_path / "c.json")
+    assert "identity" not in report and list(report["after"]["exaggeration"]) == ["distance"]
     assert "directions are of the bundled pca model" in refused("caricaturize", people[0], *options, "--overwrite")
 
 

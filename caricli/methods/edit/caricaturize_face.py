@@ -105,15 +105,17 @@ def exaggeration(face: EncodedFace, model: ShapeModel, directions: Directions | 
 def caricature_figures(
     before: EncodedFace, after: EncodedFace, model: ShapeModel, directions: Directions | None = None
 ) -> dict[str, Any]:
-    """What the JSON says of a caricature: whether it is still like its ``identity``, and both faces.
+    """What the JSON says of a caricature: whether it is still like its ``identity``, and both faces; what only
+    directions tell is absent without them.
 
     before, after: EncodedFace of the model. model: ShapeModel. directions: Directions of the model, or None.
     """
     like = None if directions is None else likeness(before, after, model, directions.people)
-    figures: dict[str, Any] = {"identity": None if like is None else asdict(like)}
+    figures: dict[str, Any] = {} if like is None else {"identity": asdict(like)}
     for when, face in (("before", before), ("after", after)):
-        measured = asdict(exaggeration(face, model, directions))
-        figures[when] = {"exaggeration": measured} | face_figures(face, model)
+        measured = asdict(exaggeration(face, model, directions)).items()
+        there = {name: value for name, value in measured if value is not None}
+        figures[when] = {"exaggeration": there} | face_figures(face, model)
     return figures
 
 
