@@ -375,8 +375,9 @@ def test_what_a_hand_does_while_something_is_refused_is_shown(monkeypatch):
     monkeypatch.setattr(page, "say", said.append)
     monkeypatch.setattr(page, "_frame", lambda: said.append("shown"))
     page._wanted = Operation("first")
+    page._bare = "face.obj"
     run_apart(page._attempts())
-    assert tried == ["first", "second"] and said == ["no", "shown"]
+    assert tried == ["first", "second"] and said == ["no", "shown"] and page._bare == "face.obj"
 
 
 def test_a_face_that_is_drawn_takes_off_what_a_painted_one_wore(monkeypatch):
