@@ -38,24 +38,37 @@ def add_parts(rig: Rig, parts: Sequence[Part]) -> Rig:
 def choose_parts(rig: Rig, choice: HeadChoice) -> Rig:
     """The rig without the polygons of other parts and the vertices of these alone.
 
-    choice: HeadChoice, of which the parts count. Returns Rig; the vertices that are left keep their order.
+    choice: HeadChoice, of which the parts count. Returns Rig; the vertices and UVs that are left keep their order.
     """
     if rig.materials is None or choice.takes(rig.materials):
         return rig
     mesh = rig.mesh
     kept = np.isin(rig.materials, choice.materials)
-    dropped = np.setdiff1d(mesh.polygons[~kept], mesh.polygons[kept])
-    left = np.setdiff1d(np.arange(len(mesh.vertices)), dropped)
-    number = np.full(len(mesh.vertices) + 1, -1, np.int32)
-    number[left] = np.arange(len(left))
-    uv_polygons = None if mesh.uv_polygons is None else mesh.uv_polygons[kept]
+    left, polygons = _left(mesh.polygons, kept, len(mesh.vertices))
+    uvs = mesh.uvs
+    uv_polygons = mesh.uv_polygons
+    if uvs is not None and uv_polygons is not None:
+        left_uvs, uv_polygons = _left(uv_polygons, kept, len(uvs))
+        uvs = uvs[left_uvs]
     return replace(
         rig,
-        mesh=Mesh(mesh.vertices[left], number[mesh.polygons[kept]], mesh.uvs, uv_polygons),
+        mesh=Mesh(mesh.vertices[left], polygons, uvs, uv_polygons),
         deltas=rig.deltas[:, left],
         materials=rig.materials[kept],
         depiction=rig.depiction and replace(rig.depiction, vertices=rig.depiction.vertices[left]),
     )
+
+
+def _left(polygons: np.ndarray, kept: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points that are left without some polygons (P, N), padded with -1: all but the corners of these alone.
+
+    kept: (P,) bool. count: of points. Returns the numbers of the points, and the kept polygons between them.
+    """
+    dropped = np.setdiff1d(polygons[~kept], polygons[kept])
+    left = np.setdiff1d(np.arange(count), dropped)
+    number = np.full(count + 1, -1, np.int32)
+    number[left] = np.arange(len(left))
+    return left, number[polygons[kept]]
 
 
 def _with_more(depiction: Depiction | None, more: Sequence[np.ndarray]) -> Depiction | None:

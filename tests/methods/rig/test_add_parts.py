@@ -12,7 +12,7 @@ CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 
 
 def part(name, material, names=(), move=0.0):
-    mesh = Mesh(CORNERS + [0, 0, -1], SQUARE, np.eye(2), 0 * SQUARE)
+    mesh = Mesh(CORNERS + [0, 0, -1], SQUARE, np.eye(1, 2), 0 * SQUARE)
     deltas = np.full((len(names), 4, 3), move)
     return Part(name, mesh, np.array([material], np.int32), "skull", names, deltas)
 
@@ -46,6 +46,15 @@ def test_what_is_not_chosen_leaves_with_its_vertices(rig):
     skin = choose_parts(whole, BARE)
     np.testing.assert_array_equal(skin.neutral, rig.neutral)
     np.testing.assert_array_equal(skin.deltas, rig.deltas)
+
+
+def test_uvs_of_what_is_not_chosen_leave_too(rig):
+    whole = add_parts(rig, [part("tongue", Material.TONGUE), part("teeth", Material.TEETH)])
+    bare = choose_parts(whole, HeadChoice(("skin", "teeth")))
+    np.testing.assert_array_equal(bare.mesh.uvs, whole.mesh.uvs[[0, 1, 2, 3, 5]])
+    skin = choose_parts(whole, BARE)
+    np.testing.assert_array_equal(skin.mesh.uvs, rig.mesh.uvs)
+    np.testing.assert_array_equal(skin.mesh.uv_polygons, rig.mesh.uv_polygons)
 
 
 def test_what_a_picture_shows_gets_and_loses_the_same_parts(rig):
