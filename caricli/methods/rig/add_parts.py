@@ -38,7 +38,8 @@ def add_parts(rig: Rig, parts: Sequence[Part]) -> Rig:
 def choose_parts(rig: Rig, choice: HeadChoice) -> Rig:
     """The rig without the polygons of other parts and the vertices of these alone.
 
-    choice: HeadChoice, of which the parts count. Returns Rig; the vertices and UVs that are left keep their order.
+    choice: HeadChoice, of which the parts count. Returns Rig, without materials where only the skin is left; vertices
+    and UVs that are left keep their order.
     """
     if rig.materials is None or choice.takes(rig.materials):
         return rig
@@ -50,11 +51,13 @@ def choose_parts(rig: Rig, choice: HeadChoice) -> Rig:
     if uvs is not None and uv_polygons is not None:
         left_uvs, uv_polygons = _left(uv_polygons, kept, len(uvs))
         uvs = uvs[left_uvs]
+    materials = rig.materials[kept]
     return replace(
         rig,
         mesh=Mesh(mesh.vertices[left], polygons, uvs, uv_polygons),
         deltas=rig.deltas[:, left],
-        materials=rig.materials[kept],
+        # What is all skin can be given parts again.
+        materials=materials if (materials != Material.SKIN).any() else None,
         depiction=rig.depiction and replace(rig.depiction, vertices=rig.depiction.vertices[left]),
     )
 

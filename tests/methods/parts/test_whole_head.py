@@ -3,6 +3,7 @@ import pytest
 
 from caricli.methods.parts.whole_head import whole_face, whole_head
 from caricli.structures import Face, Hair, HeadChoice, Material, Mesh, Pictures
+from caricli.structures.head_choice import BARE
 
 TRIANGLE = np.array([[0, 1, 2]], np.int32)
 
@@ -44,6 +45,14 @@ def test_some_of_it(haired, chosen, left):
     again = whole_face(whole_face(haired), choice)
     np.testing.assert_array_equal(again.vertices, np.float32(bare.vertices))
     np.testing.assert_array_equal(again.faces, bare.faces)
+
+
+def test_a_skin_alone_gets_the_parts_that_it_was_left_without(head_template):
+    choice = HeadChoice(("skin", "teeth"))
+    skin = whole_face(whole_face(Face(head_template)), BARE)
+    again = whole_face(skin, choice)
+    np.testing.assert_array_equal(again.materials, whole_face(Face(head_template), choice).materials)
+    assert Material.TEETH in again.materials
 
 
 def test_another_topology_has_only_its_hair(ball):

@@ -57,6 +57,13 @@ def test_uvs_of_what_is_not_chosen_leave_too(rig):
     np.testing.assert_array_equal(skin.mesh.uv_polygons, rig.mesh.uv_polygons)
 
 
+def test_a_skin_that_is_left_alone_is_one_that_never_had_parts(rig):
+    teeth = part("teeth", Material.TEETH)
+    skin = choose_parts(add_parts(rig, [teeth]), BARE)
+    assert skin.materials is None and choose_parts(skin, WHOLE) is skin
+    assert add_parts(skin, [teeth]).materials.tolist() == [Material.SKIN, Material.TEETH]
+
+
 def test_what_a_picture_shows_gets_and_loses_the_same_parts(rig):
     camera = Camera(1.0, np.diag([1.0, -1, -1]), np.zeros(2))
     seen = replace(rig, depiction=Depiction(camera, rig.neutral + np.float32(0.5)))
