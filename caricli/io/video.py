@@ -18,7 +18,11 @@ from caricli.errors import OutputError, shown
 from caricli.io.outputs import writing
 
 VIDEO_SUFFIXES = (".mp4", ".gif")
-_MAX_GIF_FPS = 50  # shorter frames are shown a tenth of a second by browsers
+_RATES = {".mp4": (0.001, 240), ".gif": (0.002, 50)}
+"""Least and most frames a second: players take a slower MP4 for a fast one, a GIF keeps a frame 655 seconds at most,
+and browsers show those that are shorter than two hundredths for a tenth of a second."""
+_LONGEST = 65535  # hundredths of a second that a GIF can keep a frame
+_MOST_COLOURS = 256  # of a frame of a GIF
 
 
 def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> tuple[int, int]:
@@ -26,32 +30,41 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> t
 
     Frames are taken one at a time; an MP4 keeps none of them, a GIF its own, each with its palette. An MP4 is H.264 as
     browsers play it (yuv420p, BT.709, its index first).
-    path: ends in .mp4 or .gif. frames: (H,W,3) uint8 RGB of one size. fps: frames a second, above 0, for a GIF at most
-    50.
+    path: ends in .mp4 or .gif. frames: (H,W,3) uint8 RGB of one size. fps: frames a second, see ``check_video``.
     Returns width and height of its frames.
-    Raises OutputError when the name ends otherwise, the rate is none, there is no frame, the sizes differ, no encoder
-    can be opened, or the file cannot be written.
+    Raises OutputError as ``check_video``, when there is no frame, the sizes differ, no encoder can be opened, or the
+    file cannot be written.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in VIDEO_SUFFIXES:
-        expected = f"a name that ends in {' or '.join(VIDEO_SUFFIXES)}"
-        raise OutputError(f"{shown(path)}: expected {expected}, found {shown(suffix, 20)!r}")
-    most = _MAX_GIF_FPS if suffix == ".gif" else 240
-    if not 0 < fps <= most:
-        expected = f"above 0 and at most {most} frames a second for {suffix}"
-        raise OutputError(f"{shown(path)}: expected {expected}, found {fps:g}; give another --fps")
+    check_video(path, fps)
     checked = _checked(frames, path)
-    if suffix == ".mp4":
+    is_gif = Path(path).suffix.lower() == ".gif"
+    if not is_gif:
         checked = map(_even, checked)
     first = next(checked, None)
     if first is None:
         raise OutputError(f"{shown(path)}: expected at least one frame, found none")
     with writing(path):
-        if suffix == ".gif":
+        if is_gif:
             _write_gif(path, chain([first], checked), fps)
         else:
             _write_mp4(path, chain([first], checked), first.shape, fps)
     return first.shape[1], first.shape[0]
+
+
+def check_video(path: str | Path, fps: float) -> None:
+    """Refuse a video that cannot be, before its frames are drawn.
+
+    path: ends in .mp4 or .gif. fps: frames a second, from 0.001 to 240, for a GIF from 0.002 to 50.
+    Raises OutputError when the name ends otherwise, or the rate is none.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in VIDEO_SUFFIXES:
+        expected = f"a name that ends in {' or '.join(VIDEO_SUFFIXES)}"
+        raise OutputError(f"{shown(path)}: expected {expected}, found {shown(suffix, 20)!r}")
+    least, most = _RATES[suffix]
+    if not least <= fps <= most:
+        expected = f"from {least:g} to {most} frames a second for {suffix}"
+        raise OutputError(f"{shown(path)}: expected {expected}, found {fps:g}; give another --fps")
 
 
 def _even(frame: np.ndarray) -> np.ndarray:
@@ -112,17 +125,41 @@ def _encoder(path: str | Path, shape: tuple[int, ...], fps: float) -> list[str]:
 
 
 def _write_gif(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> None:
-    from PIL import Image
-
-    def pictures() -> Iterator[Any]:
-        for k, frame in enumerate(frames):
-            # Dither would crawl over a face that stands still.
-            picture = Image.fromarray(frame).quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-            # A GIF counts hundredths of a second; rounding each end keeps the whole in time.
-            picture.info["duration"] = 10 * (round(100 * (k + 1) / fps) - round(100 * k / fps))
-            yield picture
-
-    following = pictures()
+    following = _gif_pictures(frames, fps)
     first = next(following)
     with open(path, "wb") as stream:
         first.save(stream, "GIF", save_all=True, append_images=following, loop=0, disposal=1)
+
+
+def _gif_pictures(frames: Iterable[np.ndarray], fps: float) -> Iterator[Any]:
+    """Frames as pictures with a palette each, and how long they stay."""
+    since = 0
+    for k, frame in enumerate(frames):
+        # A GIF counts hundredths of a second; rounding each end keeps the whole in time.
+        stay = round(100 * (k + 1) / fps) - round(100 * k / fps)
+        since += stay
+        picture = _with_palette(frame, _MOST_COLOURS)
+        if since > _LONGEST:
+            # Pillow makes one frame of equal ones, however long this then stays.
+            picture = _with_other_pixel(frame)
+            since = stay
+        picture.info["duration"] = 10 * stay
+        yield picture
+
+
+def _with_palette(frame: np.ndarray, colours: int) -> Any:
+    """A frame (H, W, 3) as a picture of so many colours."""
+    from PIL import Image
+
+    # Dither would crawl over a face that stands still.
+    return Image.fromarray(frame).quantize(colours, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+
+
+def _with_other_pixel(frame: np.ndarray) -> Any:
+    """A frame (H, W, 3) as a picture whose first pixel has another blue, by the least that there is."""
+    picture = _with_palette(frame, _MOST_COLOURS - 1)
+    palette = picture.getpalette()
+    red, green, blue = picture.convert("RGB").getpixel((0, 0))
+    picture.putpalette([*palette, red, green, blue ^ 1])
+    picture.putpixel((0, 0), len(palette) // 3)
+    return picture

@@ -244,7 +244,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, ball, value
     check("names of the rig", source=ours(tmp_path / "x.json", [[1.0]], names=("grin",)))
     check("expected a name that ends in .mp4 or .gif", options=("--video", place / "a.avi"), code=2)
     fast = ours(tmp_path / "fast.json", np.zeros((3, 5)), times=np.arange(3) / 60)
-    check("at most 50 frames a second for .gif", source=fast, options=("--video", place / "a.gif"))
+    check("to 50 frames a second for .gif", source=fast, options=("--video", place / "a.gif"))
     check("did you mean 'jawOpen'", options=(*out, "--scale", "jawopen=1"))
     still = tmp_path / "still.glb"
     write_mesh(still, Mesh(*ball))

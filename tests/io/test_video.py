@@ -59,6 +59,34 @@ def test_a_gif_holds_the_frames_loops_and_keeps_the_time(tmp_path):
     assert sum(durations) == 200 and set(durations) == {30, 40}
 
 
+def gif_durations(path):
+    """Milliseconds of every frame."""
+    durations = []
+    with Image.open(path) as image:
+        for k in range(image.n_frames):
+            image.seek(k)
+            durations.append(image.info["duration"])
+    return durations
+
+
+def test_the_slowest_films_keep_their_time(tmp_path):
+    write_video(tmp_path / "a.gif", frames(2), 0.002)
+    assert gif_durations(tmp_path / "a.gif") == [500_000, 500_000]
+    write_video(tmp_path / "a.mp4", frames(2), 0.001)
+    assert len(mp4(tmp_path / "a.mp4")[0]) == 2 and mp4(tmp_path / "a.mp4")[1] == pytest.approx(0.001)
+
+
+@pytest.mark.parametrize("side", [1, 20])
+def test_a_gif_that_stands_still_for_long_keeps_the_time(tmp_path, side):
+    still = np.random.default_rng(0).integers(0, 256, (side, side, 3), np.uint8)
+    write_video(tmp_path / "a.gif", [still] * 27 + [255 - still], 0.02)
+    assert gif_durations(tmp_path / "a.gif") == [650_000, 50_000, 600_000, 50_000, 50_000]
+    with Image.open(tmp_path / "a.gif") as image:
+        for k in range(4):
+            image.seek(k)
+            assert np.abs(np.asarray(image.convert("RGB")).astype(int) - still).mean() < 10
+
+
 def test_odd_sizes_become_even_where_they_must(tmp_path):
     assert write_video(tmp_path / "a.mp4", frames(3, 47, 63), 10) == (64, 48)
     assert write_video(tmp_path / "a.gif", frames(3, 47, 63), 10) == (63, 47)
@@ -92,9 +120,11 @@ def test_what_is_no_video_is_refused_before_a_frame_is_drawn(tmp_path):
     for name, fps, words in (
         ("a.avi", 10, "ends in .mp4 or .gif"),
         ("a", 10, "ends in .mp4 or .gif"),
-        ("a.mp4", 0, "above 0"),
-        ("a.mp4", float("nan"), "above 0"),
-        ("a.gif", 60, "at most 50 frames a second for .gif, found 60"),
+        ("a.mp4", 0, "from 0.001 to 240 frames a second for .mp4, found 0;"),
+        ("a.mp4", float("nan"), "found nan"),
+        ("a.mp4", 0.0009, "found 0.0009"),
+        ("a.gif", 60, "from 0.002 to 50 frames a second for .gif, found 60"),
+        ("a.gif", 0.0015, "found 0.0015"),
     ):
         with pytest.raises(OutputError, match=words):
             write_video(tmp_path / name, never(), fps)
