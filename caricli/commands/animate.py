@@ -122,11 +122,11 @@ def command(
     Where the names are the fifteen visemes (sil, PP, ... ou), or WEIGHTS are mouth cues of Rhubarb Lip Sync (JSON, TSV
     or XML, of its letters or of visemes), the face speaks: shapes run into each other, and lips close for p, b and m.
 
-    Names are bound by name; those that the rig lacks are listed. Weights are cut to 0 to 1, scaled, and cut again:
-    mouthClose, which goes by the scale of jawOpen unless it has its own, to what jawOpen opens, eyeSquint to what
-    eyeBlink leaves open. The head turns about the origin of the face frame:
-    positive yaw to its own left, pitch down, roll to its right shoulder. A JSON beside the GLB (GLB's name), or the
-    video (its name and .json), says what was done; among the frames it is animation.json.
+    Names are bound by name, mouthSmile to both its sides; those that the rig lacks are listed. Weights are cut to 0 to
+    1, scaled, and cut again: mouthClose, which goes by the scale of jawOpen unless it has its own, to what jawOpen
+    opens, eyeSquint to what eyeBlink leaves open. The head turns about the origin of the face frame: positive yaw to
+    its own left, pitch down, roll to its right shoulder. A JSON beside the GLB (GLB's name), or the video (its name and
+    .json), says what was done; among the frames it is animation.json.
 
     With --dynamic-texture the skin of a textured RIG is painted anew for every frame of --video, and of --frames as
     pictures. Best is an NPZ of `blendshapes`, which says what its picture shows and what its expressions are made of.
@@ -139,8 +139,7 @@ def command(
       caricli animate rig.glb take.csv --frames frames --format png --view three-quarter
       caricli animate blendshapes.npz take.csv --video take.mp4 --dynamic-texture
     """
-    from caricli.methods.animate.animate_rig import AnimationSettings, animate_rig
-    from caricli.store.tracks import load_track
+    from caricli.methods.animate.animate_rig import AnimationSettings
 
     _check_outputs(out, video, frames, kind)
     model = load_network(network, dynamic)
@@ -153,10 +152,9 @@ def command(
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
         loaded = _load(rig, head)
+        settings = AnimationSettings(fps, smooth, factors, not no_head)
+        performance = _perform(loaded, rig, weights, source_fps, settings)
         painter = load_painter(loaded, rig, model)
-        track = load_track(weights, source_fps, fps)
-        with naming(rig):
-            performance = animate_rig(loaded, track, AnimationSettings(fps, smooth, factors, not no_head))
         drawing = _Drawing(performance, painter, view, size)
         _write_moving(temporary.get(out), temporary.get(video), drawing)
         if folder is not None:
@@ -191,6 +189,18 @@ def _load(path, head):
     rig = load_rig(path)
     with naming(path):
         return choose_head(rig, head)
+
+
+def _perform(rig, path, weights, source_fps, settings):
+    """The Performance of a Rig of a file. weights: path of what moves it. settings: AnimationSettings."""
+    from caricli.methods.animate.animate_rig import animate_rig, check_rig
+    from caricli.store.tracks import load_track
+
+    with naming(path):
+        check_rig(rig, settings)
+    track = load_track(weights, source_fps, settings.fps)
+    with naming(weights):
+        return animate_rig(rig, track, settings)
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,6 +53,17 @@ def arkit_name(name: str) -> str | None:
     return _PLAIN.get(plain) or _PLAIN.get(re.sub("(left|right)$", "", plain))
 
 
+def arkit_sides(name: str) -> tuple[str, str] | None:
+    """The ARKit names of the left and the right action that a name without a side means, such as ``mouthSmile``.
+
+    None where it means none of its own, and where both undo each other, as left and right of a mouth do.
+    """
+    left, right = (_PLAIN.get(plain_name(name) + side) for side in ("left", "right"))
+    if left is None or right is None or OPPOSITES.get(left) == right:
+        return None
+    return left, right
+
+
 def plain_name(name: str) -> str:
     """A name in small letters alone, without a prefix, its side written out."""
     # Separators are looked at from their first one only, or a name of nothing else takes their number squared.

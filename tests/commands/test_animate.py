@@ -241,7 +241,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, ball, value
     check("no such file", source=tmp_path / "none.csv")
     check("no such file", rig=tmp_path / "none.npz")
     check("expected an NPZ file", rig=good)
-    check("names of the rig", source=ours(tmp_path / "x.json", [[1.0]], names=("grin",)))
+    check("x.json: weights: expected names of the rig", source=ours(tmp_path / "x.json", [[1.0]], names=("grin",)))
     check("expected a name that ends in .mp4 or .gif", options=("--video", place / "a.avi"), code=2)
     fast = ours(tmp_path / "fast.json", np.zeros((3, 5)), times=np.arange(3) / 60)
     check("to 50 frames a second for .gif", source=fast, options=("--video", place / "a.gif"))
@@ -254,7 +254,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, rig_file, ball, value
     check("every expression once", options=(*out, "--scale", "jawOpen=1", "--scale", "jawOpen=2"), code=2)
     check("ends in .glb", options=("--out", place / "a.obj"), code=2)
     endless = ours(tmp_path / "endless.json", np.zeros((2, 5)), times=np.array([0, 1e9]))
-    check("1e+09 seconds", source=endless, options=(*out, "--fps", "60"))
+    check("endless.json: weights: expected at most", source=endless, options=(*out, "--fps", "60"))
 
 
 def test_outputs_are_never_inputs_and_folders_of_others_stay(refused, rig_file, tmp_path):

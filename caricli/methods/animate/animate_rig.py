@@ -97,15 +97,9 @@ def animate_rig(
     What only means something on top of another action goes no further than that: ``mouthClose`` undoes what ``jawOpen``
     opens, and alone would pull the chin over the lips. Nor does what closes lids with a blink go further than they are
     open: ``eyeSquint`` alone would raise the lower lid over the upper one.
-    Raises InputError when the rig has no expressions, a scaled one is not the rig's, no name is common, or frames are
-    too many.
+    Raises InputError as ``check_rig``, and when no name is common, or frames are too many.
     """
-    if not rig.names:
-        raise InputError("expected a rig with expressions, found one without")
-    unknown = [name for name in settings.scales if name not in rig.names]
-    if unknown:
-        near = get_close_matches(unknown[0], rig.names, 1, 0.0)[0]
-        raise InputError(f"scale: {unknown[0]}: not among the rig's {len(rig.names)}; did you mean {near!r}?")
+    check_rig(rig, settings)
     head = track.head if settings.head else None
     if head is not None:
         head = within_half_turns(smooth_weights(np.unwrap(head, axis=0), track.times, settings.smooth))
@@ -115,6 +109,16 @@ def animate_rig(
     weights = within_reach(_scales(rig.names, settings.scales) * np.clip(bound.weights, 0, 1), rig.names)
     rotations = None if even.head is None else turn_head(even.head)
     return Performance(rig, Animation(even.times, weights, rotations), fps, bound, settings)
+
+
+def check_rig(rig: Rig, settings: AnimationSettings) -> None:
+    """Raise InputError when a rig has no expressions, or one that is scaled is not the rig's."""
+    if not rig.names:
+        raise InputError("expected a rig with expressions, found one without")
+    unknown = [name for name in settings.scales if name not in rig.names]
+    if unknown:
+        near = get_close_matches(unknown[0], rig.names, 1, 0.0)[0]
+        raise InputError(f"scale: {unknown[0]}: not among the rig's {len(rig.names)}; did you mean {near!r}?")
 
 
 def _scales(names: Sequence[str], given: Mapping[str, float]) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 from caricli.errors import InputError, shown
 from caricli.io.takes.track import MAX_WEIGHTS
 from caricli.structures import Track
-from caricli.structures.arkit import arkit_name, is_half
+from caricli.structures.arkit import arkit_name, arkit_sides, is_half
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,9 @@ def bind_weights(track: Track, names: Sequence[str]) -> BoundWeights:
     """Bind weights by name, never by order.
 
     A name binds to the same name, else to the one that differs in the case of the first letter alone, else to those
-    that mean the same action of ARKit (``arkit_name``), both halves of it where the rig has halves.
+    that mean the same action of ARKit (``arkit_name``), both halves of it where the rig has halves. A name that ARKit
+    has with Left and Right alone, such as ``mouthSmile``, binds to both where the rig has both; a column of a side's
+    own name counts the more.
 
     names: the rig's (K,).
     Returns BoundWeights; what nothing drives stays 0.
@@ -54,16 +56,24 @@ def bind_weights(track: Track, names: Sequence[str]) -> BoundWeights:
 def _columns(theirs: Sequence[str], ours: Sequence[str]) -> tuple[dict[str, int], list[str]]:
     """Columns of a track by the rig's names, and names that the rig lacks."""
     columns: dict[str, int] = {}
+    of_both: dict[str, int] = {}
     unmatched = []
     for column, name in enumerate(theirs):
         targets = _targets(name, ours)
-        if not targets:
+        both = [] if targets else _both_sides(name, ours)
+        if not targets and not both:
             unmatched.append(name)
-        for target in targets:
-            if target in columns:
-                raise InputError(f"weights: expected one column for {shown(target, 40)!r}, found it in either spelling")
-            columns[target] = column
-    return columns, unmatched
+        _bind(columns, targets, column)
+        _bind(of_both, both, column)
+    return of_both | columns, unmatched
+
+
+def _bind(columns: dict[str, int], targets: Sequence[str], column: int) -> None:
+    """Add a column, under every name of the rig that it drives. Raises InputError where one has a column already."""
+    for target in targets:
+        if target in columns:
+            raise InputError(f"weights: expected one column for {shown(target, 40)!r}, found it in either spelling")
+        columns[target] = column
 
 
 def _targets(name: str, ours: Sequence[str]) -> list[str]:
@@ -75,3 +85,10 @@ def _targets(name: str, ours: Sequence[str]) -> list[str]:
     alike = [own for own in ours if whole and arkit_name(own) == whole]
     # Where the rig has the whole action its halves are somebody else's.
     return [own for own in alike if not is_half(own)] or alike
+
+
+def _both_sides(name: str, ours: Sequence[str]) -> list[str]:
+    """The rig's names of the left and the right action that a name without a side stands for, or none."""
+    left, right = arkit_sides(name) or ("", "")
+    sides = [own for own in ours if arkit_name(own) in (left, right)]
+    return sides if len({arkit_name(own) for own in sides}) == 2 else []

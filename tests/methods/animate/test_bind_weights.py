@@ -50,3 +50,15 @@ def test_names_that_mean_the_same_action_bind_and_halves_to_their_whole():
     # A rig that has the whole action leaves its halves to those who name them.
     bound = bind_weights(given, ("browInnerUp_L", "browInnerUp"))
     assert bound.weights[1].tolist() == [0, given.weights[1, 1]]
+
+
+def test_a_name_without_a_side_binds_to_both():
+    given = track("mouthSmile", "eye_blink", "mouth", "cheekSquint", "mouthSmileRight")
+    names = ("mouthSmile_R", "mouthSmileLeft", "eyeBlinkLeft", "eyeBlinkRight", "mouthLeft", "mouthRight")
+    bound = bind_weights(given, (*names, "cheekSquintLeft"))
+    # What names its side counts the more, whatever stands first.
+    np.testing.assert_array_equal(bound.weights.T[:4], given.weights.T[[4, 0, 1, 1]])
+    assert bound.unmatched == ("mouth", "cheekSquint")
+    assert bound.undriven == ("mouthLeft", "mouthRight", "cheekSquintLeft")
+    with pytest.raises(InputError, match="either spelling"):
+        bind_weights(track("mouthSmile", "MouthSmile"), names)
