@@ -26,7 +26,7 @@ from caricli.io.meshes.mesh import write_mesh
 from caricli.io.outputs import staged, staged_folder
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
-from caricli.io.video import write_video
+from caricli.io.video import check_video, write_video
 from caricli.io.worn import PictureNames, write_pictures
 
 if TYPE_CHECKING:
@@ -154,6 +154,8 @@ def command(
         loaded = _load(rig, head)
         settings = AnimationSettings(fps, smooth, factors, not no_head)
         performance = _perform(loaded, rig, weights, source_fps, settings)
+        if video is not None:
+            check_video(video, performance.fps)
         painter = load_painter(loaded, rig, model)
         drawing = _Drawing(performance, painter, view, size)
         _write_moving(temporary.get(out), temporary.get(video), drawing)

@@ -31,6 +31,7 @@ from caricli.errors import naming, shown
 from caricli.io.outputs import check_folder, check_outputs, staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
+from caricli.io.video import check_video
 
 if TYPE_CHECKING:
     from caricli.methods.expressions.retarget_rig import Retargeting
@@ -141,7 +142,7 @@ def command(
     jobs = paths.jobs()
     refuse_unread(drivers, picture)
     given = {"overwrite": overwrite, "inputs": (*paths.inputs, model, detector)}
-    paths.check_outputs(given)
+    paths.check_outputs(given, fps)
     painting = load_network(network, dynamic)
     normal = load_morphable(model)
     reader = FaceReader(detector, pts_origin)
@@ -217,8 +218,13 @@ class RetargetPaths:
             raise click.UsageError("--animation and --film need names that no other result has.")
         return jobs
 
-    def check_outputs(self, given):
-        """Refuse what cannot be written before the drivers are read, which takes its time. given: to ``staged``."""
+    def check_outputs(self, given, fps):
+        """Refuse what cannot be written before the drivers are read, which takes its time.
+
+        given: to ``staged``. fps: frames a second of the film.
+        """
+        if self.again.film is not None:
+            check_video(self.again.film, fps)
         for path in self.moving:
             check_outputs(*film_files(path), **given)
         if self.out is not None:

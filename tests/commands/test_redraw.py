@@ -91,6 +91,9 @@ def test_bad_input_is_one_line_and_leaves_nothing(refused, sitting, tmp_path):
     assert "camera" in refused(command, bare, driver, *others, *out)
     given = [command, rig, driver, "--neutral", sitting / "driver-0.obj"]
     assert "no head" in refused(*given, "--picture", small, *out)
+    fast = ["--film", place / "a.gif", "--fps", 60]
+    unread = tmp_path / "none.obj"
+    assert "a.gif: expected from 0.002 to 50 frames" in refused(command, rig, unread, *others, *fast)
     labels = ["--parsing", sitting / "labels.png"]
     assert "size" in refused(*given, "--picture", small, *labels, *out)
     assert not place.exists()
