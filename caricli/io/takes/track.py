@@ -115,7 +115,8 @@ def _from_csv(text: str, fps: float | None) -> Track:
     if between == ";":
         # Where columns end with semicolons, fractions may begin with commas.
         lines = [line.replace(",", ".") for line in lines]
-    rows = [(number, line.split(between)) for number, line in enumerate(lines[1:], 2) if line.strip(" .,;\t")]
+    numbered = [(number, line) for number, line in enumerate(lines[1:], 2) if line.strip(' .,;\t"')]
+    rows = [(number, [_unquoted(word) for word in line.split(between)]) for number, line in numbered]
     faces = [k for k, (_, words) in enumerate(rows) if not _is_lost(words, columns)]
     wanted = (*names, *angles)
     _check_size(len(faces), len(wanted))
@@ -125,7 +126,7 @@ def _from_csv(text: str, fps: float | None) -> Track:
             if len(words) != len(header):
                 raise InputError(f"expected {len(header)} values as in the header, found {len(words)}")
             row[:] = [_number(words[columns[name.lower()]], header[columns[name.lower()]]) for name in wanted]
-    timecodes = [words[columns["timecode"]].strip().strip('"') for _, words in rows]
+    timecodes = [words[columns["timecode"]] for _, words in rows]
     times = timecode_seconds(timecodes, fps, _LIVE_LINK_FPS)[faces]
     head = values[:, len(names) :] if has_head else None
     track = _Values(names, times - times[0], values[:, : len(names)], head, fps or _LIVE_LINK_FPS)
@@ -135,9 +136,15 @@ def _from_csv(text: str, fps: float | None) -> Track:
 def _is_lost(words: list[str], columns: dict[str, int]) -> bool:
     """Whether a row tells of no face: no shapes are counted, and there is nothing else but the time."""
     counted = columns["blendshapecount"]
-    if len(words) <= max(counted, columns["timecode"]) or words[counted].strip(' \t"') != "0":
+    if len(words) <= max(counted, columns["timecode"]) or words[counted] != "0":
         return False
-    return sum(bool(word.strip()) for word in words) <= 2
+    return sum(bool(word) for word in words) <= 2
+
+
+def _unquoted(word: str) -> str:
+    """A value without blanks and the quotes around it."""
+    bare = word.strip()
+    return bare[1:-1].strip() if len(bare) > 1 and bare[0] == bare[-1] == '"' else bare
 
 
 def _columns(header: list[str], line: str) -> dict[str, int]:
@@ -153,7 +160,7 @@ def _columns(header: list[str], line: str) -> dict[str, int]:
 
 def _number(word: str, name: str) -> float:
     try:
-        return parse_number(word.strip(" \t"))
+        return parse_number(word)
     except ValueError:
         raise InputError(f"{name}: expected a number, found {shown(word, 40)!r}") from None
 

@@ -220,6 +220,18 @@ def test_takes_as_spreadsheets_save_them(tmp_path, form):
     assert load_any(path).names == ARKIT_NAMES
 
 
+def test_a_take_whose_values_are_all_in_quotes(tmp_path):
+    path = live_link(tmp_path / "a.csv")
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    rows[2] = [rows[2][0], "0", *[""] * 61]
+    path.write_text("\n".join(",".join(f'"{word}"' for word in row) for row in [*rows, [""] * 63]))
+    track = read_weights(path)
+    np.testing.assert_array_equal(track.weights, WEIGHTS[[0, 2, 3]])
+    np.testing.assert_allclose(track.times, np.array([0, 2, 3]) * 1.001 / 60)
+    path.write_text(path.read_text().replace(f'"{WEIGHTS[3, 4]}"', f'{WEIGHTS[3, 4]}"'))
+    refused(path, f"line 5: EyeLookUpLeft: expected a number, found '{WEIGHTS[3, 4]}\"'")
+
+
 def test_rows_without_a_face_are_left_out_and_the_others_keep_their_times(tmp_path):
     path = live_link(tmp_path / "a.csv")
     lines = path.read_text().splitlines()
