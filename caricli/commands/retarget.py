@@ -114,10 +114,10 @@ def command(
     B.npz is what `blendshapes` wrote. Drivers are meshes of the model's topology (NPZ, OBJ, PLY, GLB or glTF), or
     landmarks, or pictures, in which they are found; then they are written beside the result, FACE-landmarks.json.
     Weights from 0 to 1.5 explain what a driver does to a normal face, and are applied to the caricature: what no
-    expression alone does is shared out among several. All drivers are of one person and of one kind. Place and size do
-    not matter. With --neutral a mesh tells who it is of; without it, and from landmarks, who somebody is and what he
-    does are told apart by what is likely. Landmarks, and so pictures, show neither a tongue nor where eyes look:
-    neither moves.
+    expression alone does is shared out among several. All drivers are of one person and of one kind. Place, size and
+    unit (m, dm, cm or mm) do not matter. With --neutral a mesh tells who it is of; without it, and from landmarks, who
+    somebody is and what he does are told apart by what is likely. Landmarks, and so pictures, show neither a tongue nor
+    where eyes look: neither moves.
 
     With --picture the drawing itself takes the expressions: what it shows of the face moves, with its own colours; what
     it hides comes from the texture, teeth from the head; what the face uncovers is filled, and hair, glasses and hands
@@ -251,12 +251,12 @@ def _load(driven, paths, normal, reader, painter):
     from caricli.commands.shared.progress import progress_bar
     from caricli.methods.expressions.retarget_rig import retarget_rig
     from caricli.store.drivers import load_drivers
-    from caricli.store.faces import load_face
+    from caricli.store.faces import load_shape
 
     if paths.again.picture is not None:
         with naming(paths.rig):
             driven.require_depiction()
-    calm = None if paths.neutral is None else load_face(paths.neutral, normal).vertices
+    calm = None if paths.neutral is None else load_shape(paths.neutral, normal)
     with progress_bar("reading") as progress:
         # One driver that cannot be read ends what moves through all of them.
         loaded = load_drivers(paths.drivers, normal, reader, progress, bool(paths.moving))

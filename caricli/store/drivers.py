@@ -11,7 +11,7 @@ from caricli.methods.expressions.retarget_rig import Driver, DrivingMesh, fit_dr
 from caricli.methods.train.stages import Report, unwatched
 from caricli.models.morphable.model import MorphableModel
 from caricli.store.face_pictures import FaceReader
-from caricli.store.faces import load_face
+from caricli.store.faces import load_shape
 from caricli.structures import Rig
 from caricli.structures.detection import FacePicture
 
@@ -75,7 +75,7 @@ def load_drivers(
     for number, path in enumerate(distinct, 1):
         try:
             if is_driving_mesh(path):
-                drivers.faces[path] = DrivingMesh(load_face(path, model).vertices)
+                drivers.faces[path] = DrivingMesh(load_shape(path, model))
             else:
                 count = len(model.template.annotation.landmarks)
                 picture = reader.read(path, count)

@@ -1,11 +1,13 @@
 """Faces by path, in the terms of a model, and the files that they become."""
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from caricli.data.units import UNITS, measured_unit
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.alignment.require_upright import require_upright
 from caricli.geometry.repair.flat_triangles import flat_triangles
@@ -49,6 +51,24 @@ def load_face(path: Path, model: ShapeModel) -> Face:
     return _checked(read_face(path), path, model)
 
 
+def load_shape(path: Path, model: ShapeModel) -> np.ndarray:
+    """The vertices (V, 3) of a face of a file, metres, though the file be in dm, cm or mm, which its height tells.
+
+    Raises InputError as ``load_face``.
+    """
+    face = read_face(path)
+    if not _is_high_as_a_head(face.mesh.height, model):
+        with suppress(InputError):
+            metres = UNITS[measured_unit([face.mesh.height])]
+            face = Face(face.mesh.with_vertices(metres * face.vertices))
+    return _checked(face, path, model).vertices
+
+
+def _is_high_as_a_head(height: float, model: ShapeModel) -> bool:
+    """Whether a height is that of a head in metres, exaggerated ones among them."""
+    return _SMALLEST < height / model.template.height < _LARGEST
+
+
 def _checked(face: Face, path: Path, model: ShapeModel) -> Face:
     """A face of a file that is one of a model; for what is refused see ``load_face``."""
     template = model.template
@@ -61,7 +81,7 @@ def _checked(face: Face, path: Path, model: ShapeModel) -> Face:
         hint = hint if cut is None else f"; {cut}"
         raise InputError(f"{shown(path)}: expected the topology of the model ({counts}), found another ({other}){hint}")
     height = face.mesh.height
-    if not _SMALLEST < height / template.height < _LARGEST:
+    if not _is_high_as_a_head(height, model):
         raise InputError(f"{shown(path)}: expected a head about {template.height:.3g} m high, found {height:.3g} m")
     with naming(path):
         require_upright(face.vertices, template.vertices)

@@ -84,6 +84,19 @@ def test_four_files_that_agree_with_each_other(run, rig_file, drivers, tmp_path)
     assert report["left_mm"] < 0.01 and read_image(out.with_suffix(".png")).shape[1] > 96
 
 
+@pytest.mark.parametrize(("own", "others"), [(100, 1000), (1000, 1), (1, 10)])
+def test_meshes_of_any_unit_drive(run, rig_file, drivers, tmp_path, own, others):
+    neutral, meshes, _ = drivers
+    for path, size in ((neutral, own), (meshes[0], others)):
+        mesh = read_obj(path)
+        write_obj(tmp_path / path.name, mesh.with_vertices(size * mesh.vertices))
+    out = tmp_path / "face.obj"
+    calm = ("--neutral", tmp_path / neutral.name)
+    result = run(COMMAND, rig_file, tmp_path / meshes[0].name, *calm, "--out", out, "--no-picture")
+    assert result.exit_code == 0, result.output
+    np.testing.assert_allclose(found(out), TRUTH[0], atol=2e-3)
+
+
 def test_a_picture_of_that_name_is_in_nobodys_way_where_none_is_drawn(run, rig_file, drivers, tmp_path):
     (tmp_path / "face.png").write_text("mine")
     result = run(COMMAND, rig_file, drivers[1][0], "--out", tmp_path / "face.obj", "--no-picture")

@@ -6,7 +6,7 @@ from caricli.io.face import read_face, write_face
 from caricli.io.meshes.obj import write_obj
 from caricli.methods.faces.encode_face import decode_face, encode_face
 from caricli.methods.parts.whole_head import whole_face
-from caricli.store.faces import load_face, load_identity, load_latent_face, load_seen_face, load_worn_face
+from caricli.store.faces import load_face, load_identity, load_latent_face, load_seen_face, load_shape, load_worn_face
 from caricli.store.models import load_model, load_morphable
 from caricli.structures import Camera, Face, Mesh
 
@@ -63,6 +63,17 @@ def test_another_mesh_and_another_size_are_refused(shape, model, tmp_path):
     write_obj(tmp_path / "mm.obj", Mesh(1000 * shape.vertices, shape.polygons))
     with pytest.raises(InputError, match="mm.obj: expected a head about 0.2.* m high, found 2"):
         load_face(tmp_path / "mm.obj", model)
+
+
+def test_shapes_come_in_metres_whatever_their_unit(shape, model, tmp_path):
+    for size in (1, 0.3, 10, 100, 1000):
+        write_obj(tmp_path / "face.obj", Mesh(size * shape.vertices, shape.polygons))
+        metres = size if size < 10 else 1
+        np.testing.assert_allclose(load_shape(tmp_path / "face.obj", model), metres * shape.vertices, atol=1e-6)
+    for size in (0.01, 1e5):
+        write_obj(tmp_path / "other.obj", Mesh(size * shape.vertices, shape.polygons))
+        with pytest.raises(InputError, match="other.obj: expected a head about 0.2.* m high, found"):
+            load_shape(tmp_path / "other.obj", model)
 
 
 def test_whole_heads_are_told_how_to_be_skin_alone(shape, model, tmp_path):
