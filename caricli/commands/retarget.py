@@ -121,7 +121,8 @@ def command(
 
     With --picture the drawing itself takes the expressions: what it shows of the face moves, with its own colours; what
     it hides comes from the texture, teeth from the head; what the face uncovers is filled, and hair, glasses and hands
-    before it stay. B.npz is then of a face with a camera, best one that `caricli texture` painted.
+    before it stay. Where the drawing is transparent it stays so in a PNG; a film shows it on white. B.npz is then of a
+    face with a camera, best one that `caricli texture` painted.
 
     With --dynamic-texture every face has a picture of its skin with the wrinkles, lips and shades of its expression.
 

@@ -2,13 +2,17 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from caricli.errors import InputError, naming, shown
-from caricli.io.image import read_image
+from caricli.io.image import read_alpha, read_image
 from caricli.methods.redraw.original import Original
 from caricli.store.face_pictures import FaceReader
 from caricli.store.pictures import load_regions
 from caricli.structures import Rig
 from caricli.template.template import Template
+
+_OPAQUE = 255
 
 
 def load_original(
@@ -33,4 +37,12 @@ def load_original(
     else:
         regions = load_regions(parsing, (picture.shape[1], picture.shape[0]), landmarks)
     with naming(path):
-        return Original(rig, template, picture, regions)
+        return Original(rig, template, picture, regions, layer=_layer(path))
+
+
+def _layer(path: Path) -> np.ndarray | None:
+    """A picture with how opaque it is, (H, W, 4) uint8, or None where it is opaque everywhere."""
+    alpha = read_alpha(path)
+    if alpha is None or alpha.min() == _OPAQUE:
+        return None
+    return np.dstack([read_image(path, opaque=True), alpha])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from skimage.data import astronaut
 
-from caricli.io.image import read_image, write_png
+from caricli.io.image import read_alpha, read_image, write_png
 from caricli.io.meshes.obj import write_obj
 from caricli.io.parsing import legend, read_parsing, write_parsing
 from caricli.io.rig import read_rig, write_rig
@@ -64,6 +64,26 @@ def test_a_picture_and_its_report(run, sitting, tmp_path):
 def test_a_calm_driver_leaves_the_picture(run, sitting, tmp_path):
     assert run(*arguments(sitting, 0), "--out", tmp_path / "calm.png").exit_code == 0
     np.testing.assert_array_equal(read_image(tmp_path / "calm.png"), read_image(sitting / "drawing.png"))
+
+
+def test_a_transparent_drawing_stays_so(run, sitting, tmp_path):
+    background = read_parsing(sitting / "labels.png")[0] == Region.BACKGROUND
+    layer = np.dstack([read_image(sitting / "drawing.png"), np.where(background, 0, 255).astype(np.uint8)])
+    layer[background, :3] = (48, 32, 33)
+    drawing = tmp_path / "cut.png"
+    write_png(drawing, layer)
+    given = [drawing if word == sitting / "drawing.png" else word for word in arguments(sitting, 1)]
+    result = run(*given, "--out", tmp_path / "open.png", "--film", tmp_path / "film.gif")
+    assert result.exit_code == 0, result.output
+    alpha = read_alpha(tmp_path / "open.png")
+    new = read_image(tmp_path / "open.png", opaque=True)
+    np.testing.assert_array_equal(new[:80], layer[:80, :, :3])
+    np.testing.assert_array_equal(alpha[:80], layer[:80, :, 3])
+    assert (alpha != layer[..., 3]).any() and (new[~background] != layer[~background, :3]).any()
+    # A film is opaque, on white.
+    assert (
+        read_alpha(tmp_path / "film.gif") is None and (read_image(tmp_path / "film.gif")[background] > 250).mean() > 0.9
+    )
 
 
 def test_a_take_gives_pictures_and_a_film(run, sitting, tmp_path):

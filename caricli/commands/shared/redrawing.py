@@ -58,14 +58,20 @@ class Redrawing:
         return original
 
     def draw(self, row: int) -> np.ndarray:
-        """(H, W, 3) uint8, the picture with the expression of one driver."""
+        """(H, W, 3) uint8, the picture with the expression of one driver, on white paper."""
         from caricli.methods.redraw.redraw_picture import redraw_picture
 
         return redraw_picture(self.original, self.retargeting.vertices(row), self.retargeting.change(row))
 
+    def draw_layer(self, row: int) -> np.ndarray:
+        """(H, W, 4) uint8, the same as transparent as the picture is."""
+        from caricli.methods.redraw.redraw_picture import redraw_layer
+
+        return redraw_layer(self.original, self.retargeting.vertices(row), self.retargeting.change(row))
+
     def write(self, png: Path, json: Path, row: int, description: dict[str, Any]) -> None:
         """Write PNG and JSON of one driver. Raises OutputError."""
-        write_png(png, self.draw(row))
+        write_png(png, self.draw(row) if self.original.layer is None else self.draw_layer(row))
         figures = {"unknown": self.original.unknown(), "parsed": self.original.regions is not None}
         write_json(json, description | figures | self.retargeting.figures(row))
 

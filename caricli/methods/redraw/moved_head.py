@@ -240,11 +240,11 @@ class MovedHead:
         """Columns and rows (H, W) float32 of the source among samples."""
         return _at(self.source, self.original.window)
 
-    def picture(self, source: np.ndarray) -> np.ndarray:
-        """(H, W, 3) float32 colours of the old picture at pixels of it (H, W, 2)."""
+    def picture(self, source: np.ndarray, picture: np.ndarray) -> np.ndarray:
+        """(H, W, 3) float32 colours of a picture (H, W, 3) at pixels of it (H, W, 2)."""
         x, y = np.moveaxis(source.astype(np.float32), 2, 0)
-        picture = self.original.picture.astype(np.float32)
-        return np.clip(cv2.remap(picture, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE), 0, 255)
+        colours = cv2.remap(picture.astype(np.float32), x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        return np.clip(colours, 0, 255)
 
     @cached_property
     def light_ratio(self) -> np.ndarray:

@@ -31,6 +31,9 @@ from caricli.template.template import Template
 if TYPE_CHECKING:
     from caricli.methods.redraw.tooth_rows import ToothRows
 
+PAPER = 255
+"""Of every colour of what a transparent picture is laid on."""
+
 _DRAWN = (Material.SKIN, Material.EYE, Material.TEETH, Material.GUMS, Material.TONGUE)
 _HELD = (Region.GLASSES, Region.HAT, Region.OTHER)
 _SHOWN = (*HEAD_REGIONS, *_HELD, Region.HAIR)
@@ -54,7 +57,8 @@ class Original:
 
     rig: Rig of the head, with its Depiction. template: Template of its skin, whose vertices come first. picture:
     (H, W, 3) uint8. regions: (H, W) values of Region, or None where nothing tells them: all that the head covers is
-    the head then. settings: RedrawSettings.
+    the head then. settings: RedrawSettings. layer: (H, W, 4) uint8, a picture that is transparent in places with how
+    opaque it is, ``picture`` being it on white paper; or None.
     Raises InputError when the rig has no camera, or the head is outside of the picture.
     """
 
@@ -63,6 +67,7 @@ class Original:
     picture: np.ndarray
     regions: np.ndarray | None = None
     settings: RedrawSettings = RedrawSettings()  # noqa: RUF009 (frozen)
+    layer: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Check that the head is in the picture."""

@@ -1,12 +1,15 @@
 """A picture with another expression of the head in it (expressions paper, section 4.4 and figure 7)."""
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
 from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.redraw.changed_paint import ChangedPaint, changed_paint
 from caricli.methods.redraw.fill_behind import fill_behind
 from caricli.methods.redraw.moved_head import MovedHead
-from caricli.methods.redraw.original import Original
+from caricli.methods.redraw.original import PAPER, Original
 from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.texture.picture_view import likeness
 from caricli.methods.texture.settings import TextureSettings
@@ -14,6 +17,8 @@ from caricli.render.pixels.sample_texture import sample_texture
 from caricli.structures import Material
 from caricli.structures.materials import FINISHES
 from caricli.structures.texture_change import TextureChange
+
+_OPAQUE = 255
 
 
 def redraw_picture(original: Original, vertices: np.ndarray, change: TextureChange | None = None) -> np.ndarray:
@@ -28,26 +33,82 @@ def redraw_picture(original: Original, vertices: np.ndarray, change: TextureChan
     in its chart, or None for nothing.
     Returns (H, W, 3) uint8, which is the old picture wherever nothing moved or changed.
     """
-    settings = original.settings
-    head = MovedHead(original, vertices)
-    changed = None if change is None else changed_paint(head, change)
-    moved = smooth_step(head.motion, settings.still, settings.moved)
-    if changed is not None:
-        moved = np.maximum(moved, smooth_step(changed.strength, *settings.changed))
-    if moved.max() <= 0:
-        return original.picture.copy()
-    new = _composed(original, head, _painted(original, head, changed))
-    window = original.window
-    share = window.means(moved)[..., None]
-    drawn = window.means(new * moved[..., None]) + (1 - share) * window.cut(original.picture)
+    moved = _Moved.of(original, vertices, change)
     image = original.picture.copy()
-    window.cut(image)[share[..., 0] > 0] = np.rint(np.clip(drawn[share[..., 0] > 0], 0, 255))
+    if moved.anew.max() > 0:
+        drawn = moved.draw(original.picture, _painted(original, moved.head, moved.changed))
+        _lay(image, drawn, moved)
     return image
+
+
+def redraw_layer(original: Original, vertices: np.ndarray, change: TextureChange | None = None) -> np.ndarray:
+    """Draw a picture that is transparent in places again, as ``redraw_picture`` does.
+
+    What the old picture showed is as opaque as it was there, what is drawn anew is opaque.
+
+    original: Original with a layer. vertices, change: as in ``redraw_picture``.
+    Returns (H, W, 4) uint8, which is the old layer wherever nothing moved or changed.
+    """
+    assert original.layer is not None
+    moved = _Moved.of(original, vertices, change)
+    image = original.layer.copy()
+    if moved.anew.max() > 0:
+        head = moved.head
+        drawn = moved.draw(original.picture, _painted(original, head, moved.changed))
+        opaque = np.repeat(original.layer[..., 3:], 3, axis=2)
+        carried = head.picture(head.source, opaque)
+        alpha = moved.draw(opaque, _OPAQUE + head.shown[..., None] * (carried - _OPAQUE))
+        colours = PAPER + (drawn - PAPER) * _OPAQUE / np.maximum(alpha, 1)
+        # Nothing tells the colours of what is not seen.
+        clear = original.window.cut(original.layer)[..., :3]
+        colours = np.where(np.rint(alpha) > 0, colours, clear)
+        _lay(image, np.dstack([colours, alpha[..., :1]]), moved)
+    return image
+
+
+@dataclass(frozen=True, eq=False)
+class _Moved:
+    """A head in another shape, and what of its picture that changes.
+
+    head: MovedHead. changed: ChangedPaint, or None. anew: (H, W) float32 from 0 to 1, how far samples are drawn anew.
+    """
+
+    head: MovedHead
+    changed: ChangedPaint | None
+    anew: np.ndarray
+
+    @staticmethod
+    def of(original: Original, vertices: np.ndarray, change: TextureChange | None) -> "_Moved":
+        """Arguments as of ``redraw_picture``."""
+        settings = original.settings
+        head = MovedHead(original, vertices)
+        changed = None if change is None else changed_paint(head, change)
+        anew = smooth_step(head.motion, settings.still, settings.moved)
+        if changed is not None:
+            anew = np.maximum(anew, smooth_step(changed.strength, *settings.changed))
+        return _Moved(head, changed, anew)
+
+    @cached_property
+    def share(self) -> np.ndarray:
+        """(h, w, 1) float32 from 0 to 1: how far pixels of the window are drawn anew."""
+        return self.head.original.window.means(self.anew)[..., None]
+
+    def draw(self, picture: np.ndarray, painted: np.ndarray) -> np.ndarray:
+        """(h, w, 3) float32: the window of a picture (H, W, 3) with the head in other colours, samples (H, W, 3)."""
+        window = self.head.original.window
+        new = _composed(self.head, picture, painted)
+        return window.means(new * self.anew[..., None]) + (1 - self.share) * window.cut(picture)
+
+
+def _lay(image: np.ndarray, drawn: np.ndarray, moved: _Moved) -> None:
+    """Put what is drawn (h, w, C) into the window of an image (H, W, C), as far as anything is drawn anew."""
+    pixels = moved.share[..., 0] > 0
+    moved.head.original.window.cut(image)[pixels] = np.rint(np.clip(drawn[pixels], 0, 255))
 
 
 def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) -> np.ndarray:
     """(H, W, 3) float32 colours of the head: of the old picture where it showed this, else of what the head wears."""
-    old = head.picture(head.source) * head.light_ratio
+    old = head.picture(head.source, original.picture) * head.light_ratio
     materials = _materials(original, head)
     lit = _worn(original, head, materials) * head.shade
     if original.rows is not None:
@@ -94,15 +155,16 @@ def _closed(head: MovedHead, old: np.ndarray, painted: np.ndarray) -> np.ndarray
     return painted
 
 
-def _composed(original: Original, head: MovedHead, painted: np.ndarray) -> np.ndarray:
-    """(H, W, 3) float32: the painted head before what is behind it, and behind what is before it."""
-    old = original.window.sampled(original.picture).astype(np.float32)
-    behind = fill_behind(original, head)
+def _composed(head: MovedHead, picture: np.ndarray, painted: np.ndarray) -> np.ndarray:
+    """(H, W, 3) float32: the painted head before what is behind it in a picture, and behind what is before it."""
+    original = head.original
+    old = original.window.sampled(picture).astype(np.float32)
+    behind = fill_behind(head, picture)
     back = behind + head.solid[..., None] * (painted - behind)
     # The strip beside an outline goes with it.
     strip = head.strip * head.look(original.head, head.strip_source)
     strip = strip * (1 - head.look(original.hidden, head.strip_source))
-    new = back + strip[..., None] * (head.picture(head.strip_source) - back)
+    new = back + strip[..., None] * (head.picture(head.strip_source, picture) - back)
     nearer = smooth_step((original.depth - head.view.depth) / head.view.jump, 0.5, 1.5)
     before = np.maximum(original.held, original.laid * (1 - nearer))[..., None]
     return new + before * (old - new)

@@ -6,7 +6,7 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.methods.redraw.original import Original
-from caricli.methods.redraw.redraw_picture import redraw_picture
+from caricli.methods.redraw.redraw_picture import redraw_layer, redraw_picture
 from caricli.methods.rig.add_parts import choose_parts
 from caricli.structures import Camera, Depiction, HeadChoice, Material, Pictures
 from caricli.structures.landmarks import EYE_LEFT
@@ -16,6 +16,7 @@ from caricli.structures.texture_change import TextureChange
 from tests.methods.redraw.conftest import CAMERA, SIDE, WALL
 
 OPEN = {"jawOpen": 0.8}
+ASIDE = {"jawOpen": 1.0, "jawLeft": 1.0}
 
 
 def error(image, truth, where):
@@ -43,12 +44,48 @@ def test_it_comes_near_a_picture_of_the_expression(stage, weights):
 
 
 def test_what_the_chin_uncovers_is_filled(stage):
-    original = stage.original(stage.shape(jawOpen=1.0, jawLeft=1.0))
+    original = stage.original(stage.shape(**ASIDE))
     truth = stage.picture(stage.rig.neutral)
     bare = (truth == WALL).all(2) & (original.picture != WALL).any(2)
     assert bare.sum() > 20
     again = redraw_picture(original, stage.rig.neutral)
     assert error(again, truth, bare) < 0.4 * error(original.picture, truth, bare)
+
+
+def cut_out(stage, vertices):
+    """An Original of a shape whose wall is transparent, in a colour that nothing shows."""
+    mask = stage.regions(vertices) == Region.SKIN
+    head = stage.picture(vertices)
+    layer = np.dstack([np.where(mask[..., None], head, [48, 32, 33]), np.where(mask, 255, 0)]).astype(np.uint8)
+    return stage.original(vertices, picture=np.where(mask[..., None], head, 255).astype(np.uint8), layer=layer)
+
+
+def on_paper(layer):
+    alpha = layer[..., 3:] / 255
+    return alpha * layer[..., :3] + (1 - alpha) * 255
+
+
+@pytest.mark.parametrize(("before", "after"), [({}, ASIDE), (ASIDE, {})])
+def test_what_is_transparent_stays_so_where_the_head_does_not_come(stage, before, after):
+    original = cut_out(stage, stage.shape(**before))
+    again = redraw_layer(original, stage.shape(**after))
+    covered = stage.regions(stage.shape(**after)) == Region.SKIN
+    mixed = cv2.morphologyEx(covered.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3))) > 0
+    alpha = again[..., 3]
+    assert alpha[covered & ~mixed].mean() > 254 and alpha[~covered & ~mixed].mean() < 1
+    uncovered = (original.layer[..., 3] > 0) & ~covered & ~mixed
+    newly = (original.layer[..., 3] == 0) & covered & ~mixed
+    assert uncovered.sum() + newly.sum() > 20
+    assert not newly.any() or alpha[newly].mean() > 250
+    assert not uncovered.any() or alpha[uncovered].mean() < 0.4 * 255
+    assert np.abs(on_paper(again) - redraw_picture(original, stage.shape(**after))).max() < 2
+    clear = (alpha == 0) & (original.layer[..., 3] == 0)
+    np.testing.assert_array_equal(again[clear], original.layer[clear])
+
+
+def test_a_layer_of_a_head_that_keeps_still_stays_as_it_is(stage):
+    original = cut_out(stage, stage.shape())
+    np.testing.assert_array_equal(redraw_layer(original, stage.rig.neutral), original.layer)
 
 
 def test_what_closes_the_neck_of_a_head_is_not_drawn_over_a_collar(stage):
