@@ -58,8 +58,8 @@ def read_expressions(path: Path, action_names: Collection[str]) -> dict[str, dic
     """Read expressions: YAML or JSON, names with actions and their weights, among them ``neutral`` without any.
 
     Returns actions with weights, as of ``expand_sides``, by names, the neutral one first. Raises InputError for
-    duplicate names and such as are no text, an unknown action, a weight below 0 or above ``MAX_WEIGHT``, and where the
-    neutral one is missing or moves.
+    duplicate names and such as are no text, an unknown action, a weight below 0 or above ``MAX_WEIGHT``, an expression
+    without a weight above 0, and where the neutral one is missing or moves.
     """
     table = read_yaml(path)
     with naming(path):
@@ -92,3 +92,5 @@ def _check_weights(weights: Any) -> None:
         if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0 <= weight <= MAX_WEIGHT:
             given = f"{shown(action, _SHOWN)}: {shown(weight, _SHOWN)}"
             raise InputError(f"expected weights from 0 to {MAX_WEIGHT}, found {given}")
+    if not any(weights.values()):
+        raise InputError(f"expected a weight above 0, found {shown(weights, _SHOWN)}")

@@ -176,7 +176,7 @@ def test_it_can_be_animated_and_retargeted(run, blended, face, landmarks, tmp_pa
         ("smile: {mouthSmile: 1}\nopen: {jawOpen: 1}", "expected an expression 'neutral'"),
         ("neutral: {}\na: {jawOpen: 1}\na: {jawOpen: 0.5}", "distinct keys, found 'a' twice"),
         ("neutral: {}\na: {jawOpen: -1}", "weights from 0 to 1.5"),
-        ("neutral: {}\na: {mouthSmile: 0}", "expected expressions that move something"),
+        ("neutral: {}\na: {mouthSmile: 0}", "a: expected a weight above 0"),
     ],
 )
 def test_bad_sets_are_refused(refused, face, text, words, tmp_path):

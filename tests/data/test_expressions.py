@@ -70,6 +70,7 @@ def test_a_file_is_read_with_the_neutral_one_first(tmp_path):
         ("neutral: {}\nno: {jawOpen: 1}", "expected names that are text, found False; in YAML write it in quotes"),
         ("neutral: {}\n~: {jawOpen: 1}", "expected names that are text, found None"),
         ("neutral: {}\na: {}", "a: expected actions with weights, found {}"),
+        ("neutral: {}\na: {jawOpen: 0, cheekPuff: 0.0}", "a: expected a weight above 0, found {'jawOpen': 0"),
         ("neutral: {}", "expected 2 to"),
         ("[neutral, smile]", "expected 2 to"),
     ],

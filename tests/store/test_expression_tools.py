@@ -67,10 +67,14 @@ def test_templates_of_other_units_and_names_become_arkits_in_metres(head_templat
         load_templates(tmp_path)
 
 
-def test_expressions_that_move_nothing_are_refused(tmp_path):
-    (tmp_path / "set.yaml").write_text("neutral: {}\na: {jawOpen: 0}\n")
+def test_expressions_that_move_nothing_are_refused(head_template, head, tmp_path):
+    (tmp_path / "set.yaml").write_text("neutral: {}\na: {cheekPuff: 1}\n")
+    folder = tmp_path / "templates"
+    folder.mkdir()
+    for name, actions in {"neutral": {}, "jawOpen": {"jawOpen": 1.0}, "cheekPuff": {}}.items():
+        write_mesh(folder / f"{name}.obj", head_template.with_vertices(head.evaluate(actions=actions)))
     with pytest.raises(InputError, match="set.yaml: expected expressions that move something"):
-        load_tools(ToolPaths(expressions=tmp_path / "set.yaml"))
+        load_tools(ToolPaths(expressions=tmp_path / "set.yaml", templates=folder))
 
 
 def test_a_caricature_has_a_camera(tools, head_template, tmp_path):
