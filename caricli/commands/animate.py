@@ -152,11 +152,11 @@ def command(
         temporary = dict(zip(files, stack.enter_context(staged(*files, **given)), strict=True)) if files else {}
         folder = stack.enter_context(staged_folder(frames, marker=REPORT, **given)) if frames else None
         loaded = _load(rig, head)
+        painter = load_painter(loaded, rig, model)
         settings = AnimationSettings(fps, smooth, factors, not no_head)
         performance = _perform(loaded, rig, weights, source_fps, settings)
         if video is not None:
             check_video(video, performance.fps)
-        painter = load_painter(loaded, rig, model)
         drawing = _Drawing(performance, painter, view, size)
         _write_moving(temporary.get(out), temporary.get(video), drawing)
         if folder is not None:
