@@ -17,22 +17,24 @@ TOUCH = 0.006
 MARGIN = 0.02
 """Of the head's height: as far inside a pocket is put that has to move."""
 
-ROUNDS = 5
+ROUNDS = 10
 """Moves, at most: the membrane smooths each, so that one alone does not reach the margin."""
 
 RIM_RINGS = 2
-"""Edges around a rim, where a pocket touches the skin by its nature."""
+"""Edges around a rim, where pocket and skin touch by their nature, and cross where lips meet."""
 
 _PULL = 1e3  # of the membrane's mean diagonal: what has to move moves as far as it has to
 
 
 @dataclass(frozen=True, eq=False)
 class _Pocket:
-    """One cavity. edges: (E, 2) of its rim. free: ids of the vertices inside. deep: of those far from the rim.
-    laplacian: sparse, of the free ones."""
+    """One cavity. edges: (E, 2) of its rim. free: ids of the vertices inside. spots: (P, V) sparse, weights of these
+    vertices and of the middles of its triangles. deep: (P,) bool, vertices far from the rim. laplacian: sparse, of the
+    free ones."""
 
     edges: np.ndarray
     free: np.ndarray
+    spots: sp.csr_matrix
     deep: np.ndarray
     laplacian: sp.csc_matrix
 
@@ -40,10 +42,11 @@ class _Pocket:
 class Cavities:
     """The pockets of a head, which no landmark holds and which a flattened face would push through the skin.
 
-    The skin is their component, without the pockets, each opening closed by a fan. A pocket with a vertex outside the
-    skin (generalised winding number below one half) or nearer to it than ``TOUCH`` of the height is moved inwards until
-    all its vertices keep a distance of ``MARGIN``, as a membrane whose rim stays; near the rim, where a pocket
-    touches the skin by its nature, it only follows.
+    The skin is their component, without the pockets, each opening closed by a fan. A pocket with a spot outside the
+    skin (generalised winding number below one half) or a vertex nearer to it than ``TOUCH`` of the height is moved
+    inwards until all its vertices keep a distance of ``MARGIN``, as a membrane whose rim stays. Its vertices near the
+    rim and the middles of its triangles only follow, but where they came out through skin that is not at the rim:
+    then they go behind it by ``TOUCH``.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, regions: Sequence[np.ndarray]) -> None:
@@ -58,56 +61,61 @@ class Cavities:
             member[region] = True
             own = member[faces].all(axis=1)
             inside |= own
-            edges = igl.boundary_facets(faces[own])[0]
-            if not len(edges):
-                continue
-            rim = np.unique(edges)
-            free = np.setdiff1d(np.unique(faces[own]), rim)
-            near = member & False
-            near[rim] = True
-            for _ in range(RIM_RINGS):
-                near[faces[own][near[faces[own]].any(axis=1)]] = True
-            laplacian = -igl.cotmatrix(vertices, faces[own])[free][:, free]
-            self.pockets.append(_Pocket(edges, free, free[~near[free]], laplacian))
+            if len(igl.boundary_facets(faces[own])[0]):
+                self.pockets.append(_pocket(vertices, faces[own]))
         # Eyes and teeth lie in the pockets as they should.
         labels = component_labels(faces, len(vertices))
         own = np.isin(labels[faces[:, 0]], labels[faces[inside, 0]])
         self.skin = faces[own & ~inside]
+        near = np.zeros(len(vertices), dtype=bool)
+        for pocket in self.pockets:
+            near |= _around(pocket.edges, self.skin, len(vertices))
+        self.at_rim = near[self.skin].any(axis=1)
 
     def tuck(self, vertices: np.ndarray) -> np.ndarray:
         """Vertices (V, 3) with all pockets inside."""
+        return self._pulled(vertices, self.touch, self.margin)
+
+    def withdraw(self, vertices: np.ndarray) -> np.ndarray:
+        """Vertices (V, 3) with what came through the skin behind it again, and all else of the pockets as near to it as
+        it was, but for what goes along."""
+        return self._pulled(vertices, 0.0, 0.0)
+
+    def _pulled(self, vertices: np.ndarray, allowed: float, required: float) -> np.ndarray:
+        """Vertices (V, 3) whose pockets with vertices nearer to the skin than allowed are farther than required."""
         vertices = np.array(vertices)
-        touching = self._moves(vertices, self.pockets, self.touch)
-        pockets = [pocket for pocket in self.pockets if touching[pocket.deep].any()]
+        moves = self._moves(vertices, self.pockets, allowed)
+        pockets = [pocket for pocket, move in zip(self.pockets, moves, strict=True) if move.any()]
         for _ in range(ROUNDS):
             if not pockets:
                 break
-            moves = self._moves(vertices, pockets, self.margin)
-            for pocket in pockets:
-                move = moves[pocket.free]
-                hold = sp.diags(_PULL * pocket.laplacian.diagonal().mean() * move.any(axis=1))
-                vertices[pocket.free] += Cholesky(pocket.laplacian + hold).solve(hold @ move)
-            pockets = [pocket for pocket in pockets if moves[pocket.deep].any()]
+            moves = self._moves(vertices, pockets, required)
+            for pocket, move in zip(pockets, moves, strict=True):
+                weights = pocket.spots[:, pocket.free]
+                pull = weights.T @ sp.diags(_PULL * pocket.laplacian.diagonal().mean() * move.any(axis=1))
+                vertices[pocket.free] += Cholesky(pocket.laplacian + pull @ weights).solve(pull @ move)
+            pockets = [pocket for pocket, move in zip(pockets, moves, strict=True) if move.any()]
         return vertices
 
-    def _moves(self, vertices: np.ndarray, pockets: Sequence[_Pocket], required: float) -> np.ndarray:
-        """(V, 3) how far the vertices of pockets must go to be inside the skin by a required distance."""
-        moves = np.zeros_like(vertices)
-        ids = np.concatenate([np.zeros(0, int), *(pocket.deep for pocket in pockets)])
-        if not len(ids):
-            return moves
+    def _moves(self, vertices: np.ndarray, pockets: Sequence[_Pocket], required: float) -> list[np.ndarray]:
+        """For each pocket (P, 3): how far its spots must go to be inside the skin, deep ones by a required distance."""
+        if not pockets:
+            return []
         closed, surface = self._closed(vertices)
-        points = vertices[ids]
+        points = np.concatenate([pocket.spots @ vertices for pocket in pockets])
+        deep = np.concatenate([pocket.deep for pocket in pockets])
         squared, face, nearest = igl.point_mesh_squared_distance(points, closed, self.skin)
         distance = np.sqrt(squared)
         away = points - nearest
         # The side of the nearest face is quick and mostly right; where it says outside, the winding number decides.
         outside = (triangle_normals(closed, self.skin)[face] * away).sum(1) > 0
+        outside &= deep | ~self.at_rim[face]
         if outside.any():
             outside[outside] = igl.fast_winding_number(closed, surface, points[outside]) < 0.5
-        missing = np.where(outside, distance + required, np.maximum(required - distance, 0))
-        moves[ids] = (np.where(outside, -1.0, 1.0) * missing / np.maximum(distance, 1e-9))[:, None] * away
-        return moves
+        short = np.where(deep, np.maximum(required - distance, 0), 0)
+        missing = np.where(outside, distance + np.where(deep, np.maximum(required, self.touch), self.touch), short)
+        moves = (np.where(outside, -1.0, 1.0) * missing / np.maximum(distance, 1e-9))[:, None] * away
+        return np.split(moves, np.cumsum([len(pocket.deep) for pocket in pockets])[:-1])
 
     def _closed(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Vertices with the middles of the openings appended, and the skin's faces with the fans."""
@@ -119,3 +127,32 @@ class Cavities:
             # The pocket's boundary runs as the pocket sees it, which is the direction that the cap needs.
             fans.append(np.column_stack([edges, np.full(len(edges), len(vertices) + number)]))
         return np.concatenate(closed), np.concatenate([self.skin, *fans])
+
+
+def _pocket(vertices: np.ndarray, faces: np.ndarray) -> _Pocket:
+    """The pocket of faces (F, 3), open as they are, in a template's vertices (V, 3)."""
+    edges = igl.boundary_facets(faces)[0]
+    rim = np.unique(edges)
+    free = np.setdiff1d(np.unique(faces), rim)
+    near = _around(edges, faces, len(vertices))
+    laplacian = -igl.cotmatrix(vertices, faces)[free][:, free]
+    corners = [np.column_stack([free, free]), igl.edges(faces), faces]
+    spots = sp.vstack([_means(ids[~np.isin(ids, rim).all(axis=1)], len(vertices)) for ids in corners], format="csr")
+    deep = np.zeros(spots.shape[0], dtype=bool)
+    deep[: len(free)] = ~near[free]
+    return _Pocket(edges, free, spots, deep, laplacian)
+
+
+def _around(edges: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
+    """(count,) bool: vertices of edges (E, 2), and those of faces (F, 3) within ``RIM_RINGS`` of them."""
+    near = np.zeros(count, dtype=bool)
+    near[edges] = True
+    for _ in range(RIM_RINGS):
+        near[faces[near[faces].any(axis=1)]] = True
+    return near
+
+
+def _means(ids: np.ndarray, count: int) -> sp.csr_matrix:
+    """Weights (N, count) of the means of vertices of ids (N, K)."""
+    rows = np.arange(len(ids)).repeat(ids.shape[1])
+    return sp.csr_matrix((np.full(ids.size, 1 / ids.shape[1]), (rows, ids.ravel())), shape=(len(ids), count))

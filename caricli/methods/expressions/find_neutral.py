@@ -96,5 +96,6 @@ def neutral_of(pair: NormalPair) -> NeutralFace:
     if pair.settings.contacts:
         transfer = DeformationTransfer(rest, pair.template.faces, pair.tools.actions.still)
         rest = rest + Contacts(pair.tools.actions, rest, transfer).rest()
+    rest = pair.template.cavities.tuck(rest)
     moves = pair.scale * (rest - pair.vertices)
     return NeutralFace(given, given.with_vertices(given.vertices + moves), shown)

@@ -9,7 +9,6 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
-from caricli.geometry.repair.untangle import untangle
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
 from caricli.methods.reconstruct.landmark_fit import LandmarkFit
@@ -81,7 +80,7 @@ def _as_pictured(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture
     seen = fit_sides(seen, template, picture, fit.anchors)
     if seen is fit.face:
         return fit
-    vertices = untangle(seen.vertices, template.gradients)
+    vertices = template.mended(seen.vertices)
     residual = template.gradients.features(vertices) - model.features(seen.require_latent())
     landmarks = seen.require_camera().project(vertices[fit.anchors])
     face = replace(seen.with_vertices(vertices), landmarks=landmarks, residual=residual)

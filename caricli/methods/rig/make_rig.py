@@ -14,6 +14,7 @@ from caricli.methods.rig.add_eyeballs import Eyeball, add_eyeballs, fit_eyeballs
 from caricli.methods.rig.add_parts import add_parts
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
+from caricli.methods.rig.keep_pockets import keep_pockets
 from caricli.methods.rig.measure_rig import RigMeasures, measure_rig
 from caricli.methods.rig.transfer_rig import transfer_rig
 from caricli.structures import Face, HeadChoice, Mesh, Part, Pictures, Rig
@@ -94,6 +95,7 @@ def make_rig(
         require_upright(mesh.vertices, templates.neutral)
     deltas = transfer_rig(templates, mesh.vertices) if deltas is None else deltas
     deltas = let_tongue_out(mesh, templates.mesh, settings.head, templates.expressions, deltas)
+    deltas = keep_pockets(templates, mesh.vertices, deltas)
     annotation = templates.annotation if "eyes" in settings.head.parts else None
     eyeballs = [] if annotation is None else fit_eyeballs(mesh, annotation, deltas)
     measures = measure_rig(mesh.vertices, deltas, templates, eyeballs)

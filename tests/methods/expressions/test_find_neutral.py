@@ -82,6 +82,18 @@ def test_the_throat_under_a_long_jaw_does_not_turn_over_as_it_closes(laughing, h
     assert lip_gap(found, head_template) < 0.3 * lip_gap(given.vertices, head_template)
 
 
+def test_the_lining_of_a_mouth_that_closes_stays_behind_the_skin(laughing, tools, head_template):
+    """That of a laugh in whose picture it came out above the lip."""
+    faces = head_template.faces
+    lining = np.isin(faces, head_template.region("inner_mouth")).all(1)
+    given = laughing.vertices.copy()
+    given[np.setdiff1d(faces[lining], faces[~lining]), 2] += 0.012
+    found = find_neutral(laughing.with_vertices(given), tools).mesh.vertices
+    cavities = head_template.cavities
+    assert np.abs(cavities.tuck(given) - given).max() > 0.005
+    np.testing.assert_allclose(cavities.withdraw(found), found, atol=1e-6)
+
+
 def test_a_face_at_rest_stays_as_it_is(shapes, tools, head_template):
     neutral = find_neutral(Face(head_template.with_vertices(shapes[0])), tools)
     np.testing.assert_array_equal(neutral.mesh.vertices, shapes[0])

@@ -122,6 +122,23 @@ def test_labels_tell_ears_before_a_background_of_their_colour(head, intrinsic, s
     assert by_labels < 0.7 * by_colours
 
 
+def test_sides_that_come_in_leave_the_lining_of_the_mouth_behind_the_skin(frontal, intrinsic, monkeypatch):
+    truth, image, _, _ = frontal
+    template = intrinsic.template
+
+    def come_in(face, *_):
+        vertices = np.array(face.vertices)
+        vertices[template.region("inner_mouth"), 2] += 0.012
+        return face.with_vertices(vertices)
+
+    monkeypatch.setattr("caricli.methods.reconstruct.fit_sides.fit_sides", come_in)
+    fit = fit_landmarks(truth.points[:68], intrinsic, picture=ParsedPicture(image))
+    vertices = fit.face.vertices
+    np.testing.assert_allclose(template.cavities.withdraw(vertices), vertices, atol=1e-6)
+    residual = template.gradients.features(vertices) - intrinsic.features(fit.face.latent)
+    np.testing.assert_allclose(fit.face.residual, residual, atol=1e-9)
+
+
 def test_an_unknown_root_of_the_nose_tells_nothing_of_the_forehead(frontal, intrinsic):
     truth, image, alone, looked = frontal
     points = truth.points[:68].copy()

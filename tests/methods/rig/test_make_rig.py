@@ -95,6 +95,18 @@ def test_expressions_are_those_that_let_the_tongue_out(templates, face, deltas, 
     np.testing.assert_allclose(rig.deltas, 1.5 * deltas, atol=1e-7)
 
 
+def test_a_mouth_that_opens_keeps_its_lining_behind_the_skin(templates, face, deltas):
+    """Skin above the lip that the jaw presses in."""
+    nose = face.vertices[face.annotation.landmarks[33]]
+    skin = np.setdiff1d(np.arange(len(face.vertices)), face.region("inner_mouth"))
+    pressed = deltas.copy()
+    pressed[2, skin, 2] -= 0.03 * np.exp(-(((face.vertices[skin] - nose) / 0.012) ** 2).sum(1))
+    rig = make_rig(face, templates, RigSettings(head=BARE), deltas=pressed).rig
+    shape = (rig.neutral + rig.deltas[2]).astype(float)[: len(face.vertices)]
+    moved = [np.abs(face.cavities.withdraw(s) - s).max() for s in (face.vertices + pressed[2], shape)]
+    assert moved[0] > 0.005 and moved[1] < 1e-6
+
+
 def test_teeth_show_as_in_a_picture_of_the_same_face_alone(templates, face, deltas):
     long = Face(face, teeth=np.array([0.02, 0.0]))
     usual = make_rig(face, templates, deltas=deltas).rig
