@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from caricli.geometry.smooth_step import smooth_step
-from caricli.methods.redraw.openings import drawn_anew
+from caricli.methods.redraw.openings import drawn_anew, seams
 from caricli.methods.redraw.original import Original, blurred
 from caricli.methods.redraw.spread_colours import box_around, spread_colours
 from caricli.methods.redraw.view import Window
@@ -46,7 +46,7 @@ class MovedHead:
         shift[mouth] = np.where(inside[..., None], within, shift[mouth])
         self.shift = shift.astype(np.float32, copy=False)
         self._kept = np.ones(shift.shape[:2], np.float32)
-        self._kept[mouth] = kept
+        self._kept[mouth] = kept * (1 - self.seam[mouth])
         self.source = places + self.shift
 
     def _in_mouth(self, spread: np.ndarray, mouth: tuple[slice, slice]) -> tuple[np.ndarray, np.ndarray]:
@@ -70,6 +70,13 @@ class MovedHead:
         (above, kept_above), (below, kept_below) = parts
         lower = kept_below > kept_above
         return np.where(lower[..., None], below, above), np.where(lower, kept_below, kept_above)
+
+    @cached_property
+    def seam(self) -> np.ndarray:
+        """(H, W) float32 from 0 to 1: how far samples are in a mouth whose drawn teeth have closed to a line."""
+        if self.original.rows is None:
+            return np.zeros(self.view.face.shape, np.float32)
+        return seams(self.original, self.view)
 
     @cached_property
     def shown(self) -> np.ndarray:

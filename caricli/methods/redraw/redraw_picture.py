@@ -132,7 +132,16 @@ def _painted(original: Original, head: MovedHead, changed: ChangedPaint | None) 
         own = seen[near][..., None]
         more = own * apart[near] + (1 - own) * spread_colours(apart[near], part[near] * told)
         colours[near][part[near]] += more[part[near]]
+    _draw_seam(head, colours)
     return _closed(head, old, np.clip(colours, 0, 255))
+
+
+def _draw_seam(head: MovedHead, colours: np.ndarray) -> None:
+    """Give a mouth that has closed to a line, in colours (H, W, 3), that of the lips beside it in their shade."""
+    near = box_around(head.seam > 0)
+    lips = (head.view.covered & ~head.view.inside)[near].astype(np.float32)
+    line = head.original.settings.seam * spread_colours(colours[near], lips)
+    colours[near] += head.seam[near][..., None] * (line - colours[near])
 
 
 def _closed(head: MovedHead, old: np.ndarray, painted: np.ndarray) -> np.ndarray:

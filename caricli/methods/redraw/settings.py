@@ -21,6 +21,7 @@ class RedrawSettings:
     soft: pixels, standard deviation of the borders of what the label map shows.
     light: least and largest factor by which moved skin becomes darker and brighter.
     deep, teeth: shares of the light that reaches the depth of a mouth, and the darkest teeth.
+    seam: of the colours of lips, those of the line between them.
     """
 
     fine: int = 2
@@ -38,3 +39,4 @@ class RedrawSettings:
     light: tuple[float, float] = (0.75, 1.3)
     deep: float = 0.03
     teeth: float = 0.35
+    seam: float = 0.45
