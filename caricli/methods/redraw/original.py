@@ -12,13 +12,14 @@ from caricli.methods.detect.cut_openings import cut_openings
 from caricli.methods.dynamic.chart_pictures import ChartGrid
 from caricli.methods.dynamic.dress_texture import inside_chart
 from caricli.methods.redraw.settings import RedrawSettings
+from caricli.methods.redraw.spread_colours import spread_colours
 from caricli.methods.redraw.view import View, Window
 from caricli.methods.texture.edited_since_fit import NOTICED, edited_since_fit
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.head_picture import HeadPicture
 from caricli.methods.texture.light_on_head import light_on_head
 from caricli.methods.texture.mouth_wall import mouth_wall
-from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints
+from caricli.methods.texture.picture_view import PictureView, Sight, SurfacePoints, likeness
 from caricli.methods.texture.settings import TextureSettings
 from caricli.render.pixels.sample_texture import sample_pixels, uv_pixels
 from caricli.render.smooth_normals import smooth_normals
@@ -214,8 +215,16 @@ class Original:
 
     @cached_property
     def beside(self) -> np.ndarray:
-        """(H, W) float32 from 0 to 1: how far samples show, or may show, what is behind the head, or its outline."""
-        return cv2.dilate(self.beyond, self.disc(self.settings.line))
+        """(H, W) float32 from 0 to 1: how far samples show, or may show, what is behind the head, or its outline.
+
+        A label map may miss by more what is drawn: near its border, colours count that are not those farther inside.
+        """
+        near = cv2.dilate(self.beyond, self.disc(self.settings.stain))
+        old = self.window.sampled(self.picture).astype(np.float32)
+        usual = spread_colours(old, self.head * (1 - near) * (1 - self.hidden))
+        like = likeness(old.reshape(-1, 3), usual.reshape(-1, 3), TextureSettings.other).reshape(near.shape)
+        other = near * (1 - like.astype(np.float32))
+        return np.maximum(cv2.dilate(self.beyond, self.disc(self.settings.line)), other)
 
     @cached_property
     def apart(self) -> np.ndarray:

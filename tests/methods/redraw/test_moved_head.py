@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -108,3 +109,20 @@ def test_lines_between_what_was_hidden_tell_no_colours(stage):
     head.__dict__["shown"] = np.ones_like(shown)
     assert head.told[middle] == 1 and head.told[original.beyond > 0.99].max() < 0.01
     assert (head.told < 0.5).sum() > (original.beyond > 0.5).sum() + 50
+
+
+def test_background_inside_of_a_label_map_is_no_skin(stage):
+    """A label map that takes two pixels beside the drawn head for skin."""
+    right = stage.original(stage.shape())
+    labels = cv2.dilate((right.regions == Region.SKIN).astype(np.uint8), np.ones((5, 5)))
+    regions = np.where(labels > 0, Region.SKIN, Region.BACKGROUND).astype(np.uint8)
+    wrong = stage.original(stage.shape(), regions=regions)
+    fine = wrong.window.fine
+    missed = wrong.window.cut((regions != right.regions).astype(np.uint8)).repeat(fine, 0).repeat(fine, 1)
+    missed = cv2.erode(missed, np.ones((3, 3)))
+    assert missed.sum() > 100 and np.median(wrong.beside[missed > 0]) > 0.85
+    skin = cv2.erode(right.window.sampled((right.regions == Region.SKIN).astype(np.uint8)), np.ones((9, 9)))
+    near = cv2.dilate(right.beyond, right.disc(right.settings.stain)) * skin > 0.9
+    assert near.sum() > 100 and np.median(right.beside[near]) < 0.3
+    head = MovedHead(wrong, stage.rig.neutral)
+    assert np.median(head.told[missed > 0]) < 0.2
