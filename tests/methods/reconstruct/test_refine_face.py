@@ -82,7 +82,10 @@ def test_uniform_meets_them_too(pairs, template):
         assert upright.after["all"] < 0.5 * upright.before["all"]
         assert np.abs(upright.face.vertices - found.face.vertices).max() > 1e-4
         assert found.after["all"] <= 0.3 and found.after["eyes"] <= found.before["eyes"] / 10
-        assert found.flipped <= 0.002
+        # Behind a lid that came down, the lining of its eye folds.
+        lining = template.mask("eye_socket_left", "eye_socket_right")[template.faces].all(1)
+        turned = flipped_triangles(found.face.vertices, template.gradients)
+        assert turned[~lining].mean() <= 0.001 and found.flipped <= 0.0025
 
 
 def test_the_truth_comes_nearer(refined, strangers, template):
