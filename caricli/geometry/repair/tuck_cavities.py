@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import igl
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import KDTree
 
 from caricli.geometry.cholesky import Cholesky
 from caricli.geometry.repair.components import component_labels
@@ -23,6 +24,7 @@ ROUNDS = 10
 RIM_RINGS = 2
 """Edges around a rim, where pocket and skin touch by their nature, and cross where lips meet."""
 
+_CLEARLY = 0.3  # cosine to a vertex's normal from which on a point is surely on its other side
 _PULL = 1e3  # of the membrane's mean diagonal: what has to move moves as far as it has to
 
 
@@ -104,6 +106,24 @@ class Cavities:
         closed, surface = self._closed(vertices)
         points = np.concatenate([pocket.spots @ vertices for pocket in pockets])
         deep = np.concatenate([pocket.deep for pocket in pockets])
+        moves = np.zeros_like(points)
+        asked = np.arange(len(points)) if required else np.flatnonzero(self._may_be_out(closed, points))
+        moves[asked] = self._inwards(points[asked], deep[asked], (closed, surface), required)
+        return np.split(moves, np.cumsum([len(pocket.deep) for pocket in pockets])[:-1])
+
+    def _may_be_out(self, vertices: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """(P,) bool: points (P, 3) that do not clearly lie behind the nearest vertex of the skin, which is found
+        quickly."""
+        skin = np.unique(self.skin)
+        normals = igl.per_vertex_normals(vertices, self.skin)[skin]
+        gaps, nearest = KDTree(vertices[skin]).query(points)
+        return ((points - vertices[skin][nearest]) * normals[nearest]).sum(1) > -_CLEARLY * gaps
+
+    def _inwards(
+        self, points: np.ndarray, deep: np.ndarray, solid: tuple[np.ndarray, np.ndarray], required: float
+    ) -> np.ndarray:
+        """(P, 3) how far points (P, 3) must go. deep: (P,) bool. solid: vertices and faces of the closed skin."""
+        closed, surface = solid
         squared, face, nearest = igl.point_mesh_squared_distance(points, closed, self.skin)
         distance = np.sqrt(squared)
         away = points - nearest
@@ -114,8 +134,8 @@ class Cavities:
             outside[outside] = igl.fast_winding_number(closed, surface, points[outside]) < 0.5
         short = np.where(deep, np.maximum(required - distance, 0), 0)
         missing = np.where(outside, distance + np.where(deep, np.maximum(required, self.touch), self.touch), short)
-        moves = (np.where(outside, -1.0, 1.0) * missing / np.maximum(distance, 1e-9))[:, None] * away
-        return np.split(moves, np.cumsum([len(pocket.deep) for pocket in pockets])[:-1])
+        signs = np.where(outside, -1.0, 1.0)
+        return (signs * missing / np.maximum(distance, 1e-9))[:, None] * away
 
     def _closed(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Vertices with the middles of the openings appended, and the skin's faces with the fans."""
