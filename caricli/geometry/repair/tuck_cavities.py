@@ -24,6 +24,7 @@ ROUNDS = 10
 RIM_RINGS = 2
 """Edges around a rim, where pocket and skin touch by their nature, and cross where lips meet."""
 
+_JUST = 0.25  # of TOUCH: as far behind the skin goes what came out near a rim; farther, thin lining folds
 _CLEARLY = 0.3  # cosine to a vertex's normal from which on a point is surely on its other side
 _PULL = 1e3  # of the membrane's mean diagonal: what has to move moves as far as it has to
 
@@ -48,7 +49,7 @@ class Cavities:
     skin (generalised winding number below one half) or a vertex nearer to it than ``TOUCH`` of the height is moved
     inwards until all its vertices keep a distance of ``MARGIN``, as a membrane whose rim stays. Its vertices near the
     rim and the middles of its triangles only follow, but where they came out through skin that is not at the rim:
-    then they go behind it by ``TOUCH``.
+    then they go just behind it.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, regions: Sequence[np.ndarray]) -> None:
@@ -76,17 +77,18 @@ class Cavities:
 
     def tuck(self, vertices: np.ndarray) -> np.ndarray:
         """Vertices (V, 3) with all pockets inside."""
-        return self._pulled(vertices, self.touch, self.margin)
+        return self._pulled(vertices, self.touch, (self.margin, _JUST * self.touch))
 
     def withdraw(self, vertices: np.ndarray) -> np.ndarray:
         """Vertices (V, 3) with what came through the skin behind it again, and all else of the pockets as near to it as
         it was, but for what goes along."""
-        return self._pulled(vertices, 0.0, 0.0)
+        return self._pulled(vertices, 0.0, (0.0, self.touch))
 
-    def _pulled(self, vertices: np.ndarray, allowed: float, required: float) -> np.ndarray:
-        """Vertices (V, 3) whose pockets with vertices nearer to the skin than allowed are farther than required."""
+    def _pulled(self, vertices: np.ndarray, allowed: float, required: tuple[float, float]) -> np.ndarray:
+        """Vertices (V, 3) whose pockets with vertices nearer to the skin than allowed are farther than required: far
+        from the rim, and where they came out."""
         vertices = np.array(vertices)
-        moves = self._moves(vertices, self.pockets, allowed)
+        moves = self._moves(vertices, self.pockets, (allowed, required[1]))
         pockets = [pocket for pocket, move in zip(self.pockets, moves, strict=True) if move.any()]
         for _ in range(ROUNDS):
             if not pockets:
@@ -99,15 +101,17 @@ class Cavities:
             pockets = [pocket for pocket, move in zip(pockets, moves, strict=True) if move.any()]
         return vertices
 
-    def _moves(self, vertices: np.ndarray, pockets: Sequence[_Pocket], required: float) -> list[np.ndarray]:
-        """For each pocket (P, 3): how far its spots must go to be inside the skin, deep ones by a required distance."""
+    def _moves(
+        self, vertices: np.ndarray, pockets: Sequence[_Pocket], required: tuple[float, float]
+    ) -> list[np.ndarray]:
+        """For each pocket (P, 3): how far its spots must go to be inside the skin by the required distances."""
         if not pockets:
             return []
         closed, surface = self._closed(vertices)
         points = np.concatenate([pocket.spots @ vertices for pocket in pockets])
         deep = np.concatenate([pocket.deep for pocket in pockets])
         moves = np.zeros_like(points)
-        asked = np.arange(len(points)) if required else np.flatnonzero(self._may_be_out(closed, points))
+        asked = np.arange(len(points)) if required[0] else np.flatnonzero(self._may_be_out(closed, points))
         moves[asked] = self._inwards(points[asked], deep[asked], (closed, surface), required)
         return np.split(moves, np.cumsum([len(pocket.deep) for pocket in pockets])[:-1])
 
@@ -120,7 +124,7 @@ class Cavities:
         return ((points - vertices[skin][nearest]) * normals[nearest]).sum(1) > -_CLEARLY * gaps
 
     def _inwards(
-        self, points: np.ndarray, deep: np.ndarray, solid: tuple[np.ndarray, np.ndarray], required: float
+        self, points: np.ndarray, deep: np.ndarray, solid: tuple[np.ndarray, np.ndarray], required: tuple[float, float]
     ) -> np.ndarray:
         """(P, 3) how far points (P, 3) must go. deep: (P,) bool. solid: vertices and faces of the closed skin."""
         closed, surface = solid
@@ -132,8 +136,9 @@ class Cavities:
         outside &= deep | ~self.at_rim[face]
         if outside.any():
             outside[outside] = igl.fast_winding_number(closed, surface, points[outside]) < 0.5
-        short = np.where(deep, np.maximum(required - distance, 0), 0)
-        missing = np.where(outside, distance + np.where(deep, np.maximum(required, self.touch), self.touch), short)
+        short = np.where(deep, np.maximum(required[0] - distance, 0), 0)
+        behind = np.where(deep, max(required), required[1])
+        missing = np.where(outside, distance + behind, short)
         signs = np.where(outside, -1.0, 1.0)
         return (signs * missing / np.maximum(distance, 1e-9))[:, None] * away
 

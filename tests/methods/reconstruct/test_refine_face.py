@@ -85,7 +85,7 @@ def test_uniform_meets_them_too(pairs, template):
         # Behind a lid that came down, the lining of its eye folds.
         lining = template.mask("eye_socket_left", "eye_socket_right")[template.faces].all(1)
         turned = flipped_triangles(found.face.vertices, template.gradients)
-        assert turned[~lining].mean() <= 0.001 and found.flipped <= 0.0025
+        assert turned[~lining].mean() <= 0.001 and found.flipped <= 0.002
 
 
 def test_the_truth_comes_nearer(refined, strangers, template):
