@@ -54,6 +54,7 @@ train kernel --data dataset --out kernel.safetensors --set dimension=5 --set com
 train morphable --data dataset --out morphable.safetensors --set identity=3 --set expression=2 --set albedo=4
 train bilinear --data dataset --out bilinear.safetensors --set identity=4
 train sketch --data dataset --model pca.safetensors --out drawer {DRAWER}
+train strokes --data dataset --out namer {DRAWER}
 train style --out styler {STYLER}
 train gesture --out pen {PEN}
 evaluate gesture --network pen/model.safetensors --count 5 --out pen.json

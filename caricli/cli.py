@@ -62,6 +62,7 @@ COMMANDS = {
         "Train a map between landmarks of normal faces and caricatures.",
     ),
     "train sketch": ("train.sketch", "Models", "Train the network from sketches to faces."),
+    "train strokes": ("train.strokes", "Models", "Train the network that tells what strokes draw."),
     "train coarse": ("train.coarse", "Models", "Train the network from pictures to faces of the morphable model."),
     "train style": ("train.style", "Models", "Train the network that gives textures the style of drawings."),
     "train texture": ("train.texture", "Models", "Train the network that paints textures of other expressions."),

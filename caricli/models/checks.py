@@ -9,8 +9,12 @@ import numpy as np
 from caricli.errors import InputError, shown
 from caricli.io.config import settings_of
 from caricli.structures.checks import number_problem, refuse
+from caricli.structures.sketch import NAME_LENGTH
 
 Size = TypeVar("Size")
+
+_CURVES = 256
+"""That a network knows, at most."""
 
 
 def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
@@ -18,6 +22,14 @@ def whole_number(value: Any, limits: Sequence[int], name: str) -> int:
     if type(value) is not int or not limits[0] <= value <= limits[1]:
         raise InputError(f"expected a {name} from {limits[0]} to {limits[1]}, found {shown(value, 60)!r}")
     return value
+
+
+def curve_names(names: Any) -> tuple[str, ...]:
+    """The names of the curves that a network knows by its file's description. Raises InputError for anything else."""
+    sound = isinstance(names, list) and 0 < len(names) <= _CURVES
+    if not sound or not all(isinstance(name, str) and 0 < len(name) <= NAME_LENGTH for name in names):
+        raise InputError(f"expected 1 to {_CURVES} names of curves, found {shown(names, 60)!r}")
+    return tuple(names)
 
 
 def window_side(value: Any, limits: Sequence[int], step: int) -> int:

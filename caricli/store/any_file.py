@@ -45,6 +45,8 @@ from caricli.models.landmark_map.model import SCHEMA as LANDMARK_MAP_SCHEMA
 from caricli.models.landmark_map.model import map_from_checkpoint
 from caricli.models.sketch.model import SCHEMA as SKETCH_NETWORK_SCHEMA
 from caricli.models.sketch.model import sketch_from_checkpoint
+from caricli.models.strokes.model import SCHEMA as STROKES_SCHEMA
+from caricli.models.strokes.model import strokes_from_checkpoint
 from caricli.models.style.model import SCHEMA as STYLE_SCHEMA
 from caricli.models.style.model import style_from_checkpoint
 from caricli.models.texture.model import SCHEMA as TEXTURE_SCHEMA
@@ -93,6 +95,7 @@ _WEIGHTS: dict[Any, Callable[..., Any]] = {
     DETECTOR_SCHEMA: detector_from_checkpoint,
     COARSE_SCHEMA: coarse_from_checkpoint,
     SKETCH_NETWORK_SCHEMA: sketch_from_checkpoint,
+    STROKES_SCHEMA: strokes_from_checkpoint,
     STYLE_SCHEMA: style_from_checkpoint,
     GESTURE_SCHEMA: gesture_from_checkpoint,
     TEXTURE_SCHEMA: texture_from_checkpoint,
@@ -101,8 +104,9 @@ _WEIGHTS: dict[Any, Callable[..., Any]] = {
 
 def load_any(path: Path) -> Any:
     """What a file or folder holds, told by its content: one of the structures, a Dataset, a PictureSet, a SketchSet, a
-    TextureSet, a FolderPart, a ShapeModel, a LandmarkMap, a Detector, a CoarseModel, a SketchModel, a StyleModel, a
-    GestureModel, a TextureModel, the dict of a report, a legend or expressions, or the array of a picture.
+    TextureSet, a FolderPart, a ShapeModel, a LandmarkMap, a Detector, a CoarseModel, a SketchModel, a StrokeModel, a
+    StyleModel, a GestureModel, a TextureModel, the dict of a report, a legend or expressions, or the array of a
+    picture.
 
     Raises InputError when it is none of them, or damaged.
     """

@@ -73,6 +73,9 @@ from caricli.models.sketch.config import SketchSize
 from caricli.models.sketch.model import SketchModel, sketch_to_checkpoint
 from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.window import POINTS
+from caricli.models.strokes.config import StrokeSize
+from caricli.models.strokes.model import StrokeModel, strokes_to_checkpoint
+from caricli.models.strokes.networks import StrokeNetwork
 from caricli.models.style.model import StyleModel, style_to_checkpoint
 from caricli.models.style.networks import StyleNetwork
 from caricli.models.texture.config import TextureSize
@@ -87,6 +90,7 @@ from caricli.store.handles import load_handles
 from caricli.store.landmark_maps import load_landmark_map
 from caricli.store.models import load_model
 from caricli.store.sketch_networks import load_sketch_network
+from caricli.store.strokes import load_strokes
 from caricli.store.styles import load_style
 from caricli.store.texture_networks import load_texture_network
 from caricli.structures import (
@@ -324,6 +328,11 @@ def _write_sketch_network(path: Path) -> None:
     size = SketchSize(4, (4, 4, 4), (0, 0, 0), 4, 4, 4)
     network = SketchNetwork(size, 2, POINTS, 3, torch.Generator().manual_seed(0))
     write_checkpoint(path, *sketch_to_checkpoint(SketchModel(network, 64, ("nose", "silhouette"), "none")))
+
+
+def _write_stroke_network(path: Path) -> None:
+    network = StrokeNetwork(StrokeSize((4, 4, 4, 4), (0, 0, 0, 0), 3, 4), 3, torch.Generator().manual_seed(0))
+    write_checkpoint(path, *strokes_to_checkpoint(StrokeModel(network, 64, ("nose", "silhouette"))))
 
 
 def _write_texture_network(path: Path) -> None:
@@ -607,6 +616,7 @@ def _all() -> list[Reader]:
         Reader("coarse.safetensors", load_coarse, (_write_coarse,), mutate_tensors),
         Reader("sketch.safetensors", load_sketch_network, (_write_sketch_network,), mutate_tensors),
         Reader("texture.safetensors", load_texture_network, (_write_texture_network,), mutate_tensors),
+        Reader("strokes.safetensors", load_strokes, (_write_stroke_network,), mutate_tensors),
         Reader("gesture.safetensors", load_gestures, (_write_gestures,), mutate_tensors),
         Reader("style.safetensors", load_style, (_write_style,), mutate_tensors),
         Reader("map.safetensors", _map_marks, (_write_map,), mutate_tensors),

@@ -15,13 +15,14 @@ from caricli.models.kinds import KINDS, config_class
 from caricli.models.landmark_map.config import LandmarkMapConfig
 from caricli.models.morphable.config import MorphableConfig
 from caricli.models.sketch.config import SketchConfig
+from caricli.models.strokes.config import StrokesConfig
 from caricli.models.style.config import StyleConfig
 from caricli.models.texture.config import TextureConfig
 
 CONFIGS: dict[str, type] = {kind: config_class(kind) for kind in KINDS}
 CONFIGS |= {"ablation": AblationConfig, "coarse": CoarseConfig, "detector": DetectorConfig}
 CONFIGS |= {"landmark_map": LandmarkMapConfig, "sketch": SketchConfig, "style": StyleConfig}
-CONFIGS |= {"texture": TextureConfig, "gesture": GestureConfig}
+CONFIGS |= {"texture": TextureConfig, "gesture": GestureConfig, "strokes": StrokesConfig}
 FILES = sorted(config_path("").glob("*/*.yaml"))
 
 
@@ -132,3 +133,9 @@ def test_impossible_settings_of_the_style_network_are_refused(setting):
 def test_impossible_settings_of_the_gesture_network_are_refused(setting):
     with pytest.raises(InputError, match=setting.split("=")[0]):
         read_config(None, GestureConfig, [setting])
+
+
+@pytest.mark.parametrize("setting", ["size=60", "patch=4", "widths=[8,8,8]", "precision=half", "points=0", "missing=2"])
+def test_impossible_settings_of_the_stroke_network_are_refused(setting):
+    with pytest.raises(InputError, match=setting.split("=")[0]):
+        read_config(None, StrokesConfig, [setting])

@@ -6,7 +6,6 @@ from functools import singledispatch
 from typing import Any
 
 import numpy as np
-from torch import nn
 
 from caricli.data.dataset import SPLITS, Dataset
 from caricli.data.picture_set import PictureSet
@@ -18,18 +17,14 @@ from caricli.errors import shown
 from caricli.geometry.deformation.deformation_gradients import DeformationGradients
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.io.parsing import SCHEMA as PARSING_SCHEMA
+from caricli.methods.inspect.describe_networks import describe_network
 from caricli.methods.inspect.inspection import Acquaintances, Animated, FolderPart, Inspection, MeshWords
 from caricli.methods.rig.check_rig import RigCheck, check_rig
-from caricli.models.coarse.model import CoarseModel
 from caricli.models.detector.model import Detector
-from caricli.models.gesture.model import GestureModel
 from caricli.models.landmark_map.model import LandmarkMap
-from caricli.models.sketch.model import SketchModel
-from caricli.models.style.model import StyleModel
-from caricli.models.texture.model import TextureModel
+from caricli.models.network_model import NetworkModel
 from caricli.structures import Cues, Directions, Face, Landmarks, Material, Mesh, Rig, Session, Sketch, Track
 from caricli.structures.arkit import ARKIT_NAMES
-from caricli.structures.gesture import GESTURES
 from caricli.structures.landmarks import PARTS, SCHEMES
 from caricli.structures.materials import HEAD_PARTS
 from caricli.structures.pictures import PICTURED
@@ -243,44 +238,8 @@ def _(value: Detector, around: Acquaintances) -> Inspection:
 
 
 @describe.register
-def _(value: CoarseModel, around: Acquaintances) -> Inspection:
-    weights = _weights(value.network)
-    summary = f"{weights / 1e6:.1f} million weights, for faces in windows of {value.size} pixels"
-    lines = (f"coefficients: {value.network.outputs}, of {around.model_name(value.basis)}",)
-    figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
-    return Inspection("coarse network", summary, lines, figures)
-
-
-@describe.register
-def _(value: SketchModel, around: Acquaintances) -> Inspection:
-    weights = _weights(value.network)
-    summary = f"{weights / 1e6:.1f} million weights, for sketches in windows of {value.size} pixels"
-    lines = (f"latents: {value.network.dimension}, of {around.model_name(value.basis)}", ", ".join(value.curves))
-    figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "basis": value.basis}
-    return Inspection("sketch network", summary, lines, figures | {"curves": list(value.curves)})
-
-
-@describe.register
-def _(value: GestureModel, around: Acquaintances) -> Inspection:
-    weights = _weights(value.network)
-    summary = f"{weights / 1e6:.1f} million weights, for strokes in pictures of {value.network.size} pixels"
-    figures = {"weights": weights, "size": value.network.size, "model_id": value.model_id}
-    return Inspection("gesture network", summary, (", ".join(GESTURES),), figures)
-
-
-@describe.register
-def _(value: StyleModel, around: Acquaintances) -> Inspection:
-    weights = _weights(value.network)
-    figures = {"weights": weights, "model_id": value.model_id, "media": list(value.media)}
-    return Inspection("style network", f"{weights / 1e6:.1f} million weights", (", ".join(value.media),), figures)
-
-
-@describe.register
-def _(value: TextureModel, around: Acquaintances) -> Inspection:
-    weights = _weights(value.network)
-    summary = f"{weights / 1e6:.1f} million weights, for textures in charts of {value.size} texels"
-    figures = {"weights": weights, "size": value.size, "model_id": value.model_id, "topology_id": value.topology_id}
-    return Inspection("texture network", summary, (), figures)
+def _(value: NetworkModel, around: Acquaintances) -> Inspection:
+    return describe_network(value, around)
 
 
 @describe.register
@@ -393,8 +352,3 @@ def _listed(names: Any) -> str:
     names = [name for name, _ in Counter(names).most_common()]
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return ", ".join(names[:_NAMED]) + more
-
-
-def _weights(network: nn.Module) -> int:
-    """How many numbers a network has learned."""
-    return sum(parameter.numel() for parameter in network.parameters())

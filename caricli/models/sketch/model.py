@@ -9,7 +9,7 @@ import torch
 
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.alignment.head_rotation import head_rotation
-from caricli.models.checks import check_schema, network_size, whole_number, window_side
+from caricli.models.checks import check_schema, curve_names, network_size, whole_number, window_side
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
 from caricli.models.sketch.config import STEP, PublishedSize, SketchSize
@@ -18,13 +18,12 @@ from caricli.models.sketch.published import PublishedNetwork
 from caricli.models.sketch.window import CANVAS_FILL, FILL, POINTS, Window, curve_points, shown_strokes
 from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.structures import Camera
-from caricli.structures.sketch import NAME_LENGTH, Sketch
+from caricli.structures.sketch import Sketch
 
 SCHEMA = "caricli.sketch_network/1"
 
 _SIDES = (64, 512)
 _OUTPUTS = (1, 10**4)
-_CURVES = 256
 
 
 class SketchModel(NetworkModel[SketchNetwork | PublishedNetwork]):
@@ -97,7 +96,7 @@ class SketchModel(NetworkModel[SketchNetwork | PublishedNetwork]):
         What is drawn of a curve on the left is of that on the right, and its points run as those of this one do.
         """
         usual = self.network.usual.double().numpy()
-        names = [_other_side(name) for name in self.curves]
+        names = [other_side(name) for name in self.curves]
         there = np.array([name in self.curves for name in names])
         other = [self.curves.index(name) if name in self.curves else 0 for name in names]
         turned = np.where(there[:, None, None], points[:, other] * [-1, 1], np.nan)
@@ -113,7 +112,7 @@ class SketchModel(NetworkModel[SketchNetwork | PublishedNetwork]):
         return self.network(ink, torch.from_numpy(points.astype(np.float32))).double().numpy()
 
 
-def _other_side(name: str) -> str:
+def other_side(name: str) -> str:
     """Of a curve on one side the name of that on the other; itself in the middle."""
     for own, other in (("left", "right"), ("right", "left")):
         if name.endswith(f"_{own}"):
@@ -153,20 +152,13 @@ def sketch_from_checkpoint(
         check_schema(metadata, SCHEMA, "sketch network")
         size = window_side(metadata.get("size"), _SIDES, STEP)
         dimension = whole_number(metadata.get("dimension"), _OUTPUTS, "dimension")
-        curves = _names(metadata.get("curves"))
+        curves = curve_names(metadata.get("curves"))
         basis = metadata.get("basis")
         if not isinstance(basis, str):
             raise InputError(f"expected the shape model that it belongs to, found {shown(basis, 60)!r}")
         network = _network(metadata.get("network"), size, dimension, len(curves))
         load_weights(network, tensors)
         return SketchModel(network, size, curves, basis, metadata.get("recipe"))
-
-
-def _names(names: Any) -> tuple[str, ...]:
-    sound = isinstance(names, list) and 0 < len(names) <= _CURVES
-    if not sound or not all(isinstance(name, str) and 0 < len(name) <= NAME_LENGTH for name in names):
-        raise InputError(f"expected 1 to {_CURVES} names of curves, found {shown(names, 60)!r}")
-    return tuple(names)
 
 
 def _network(about: Any, size: int, dimension: int, curves: int) -> SketchNetwork | PublishedNetwork:

@@ -1,0 +1,1 @@
+"""The network that tells which curve of a face every place along a stroke draws."""
