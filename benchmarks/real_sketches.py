@@ -23,10 +23,12 @@ from caricli.geometry.lines.trace_lines import trace_lines
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.parts.whole_head import whole_head
+from caricli.methods.sketch.read_strokes import read_strokes
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.render.sheets.sketch_sheet import sketch_sheet
 from caricli.store.landmark_encoders import elastic_encoder
 from caricli.store.models import DEFAULT_LATENT, load_model
+from caricli.store.strokes import load_strokes
 from caricli.structures.landmarks import (
     BRIDGE,
     BROW_LEFT,
@@ -123,14 +125,15 @@ def reconstruction_of(options):
     """The SketchReconstruction that was asked for."""
     model = load_model(options.model, DEFAULT_LATENT)
     encoder = elastic_encoder(model)
+    read = partial(read_strokes, network=load_strokes())
     if options.coarse == "network":
         from caricli.methods.sketch.see_sketch import see_sketch
         from caricli.store.sketch_networks import load_sketch_pair
 
         network, basis = load_sketch_pair(options.network)
         see = partial(see_sketch, network=network, basis=basis)
-        return SketchReconstruction.of(encoder, see)
-    return SketchReconstruction.of(encoder)
+        return SketchReconstruction.of(encoder, see, read)
+    return SketchReconstruction.of(encoder, read=read)
 
 
 def main():

@@ -34,6 +34,7 @@ from caricli.methods.sketch.settings import COARSE
     help="Begin with the face that a network sees, or that a shape model allows for the lines.  [default: network]",
 )
 @click.option("--network", type=PATH, metavar="FILE", help="Use this network of `caricli train sketch`.")
+@click.option("--strokes", type=PATH, metavar="FILE", help="Use this network of `caricli train strokes`.")
 @click.option(
     "--image", type=PATH, metavar="IMAGE", help="Show the result with the picture over which the sketch was drawn."
 )
@@ -43,14 +44,15 @@ from caricli.methods.sketch.settings import COARSE
 @picture_option
 @overwrite_option
 @click.pass_context
-def command(ctx, sketches, out, out_dir, follow, coarse, network, image, model, head, levels, overwrite):
+def command(ctx, sketches, out, out_dir, follow, coarse, network, strokes, image, model, head, levels, overwrite):
     """Reconstruct 3D faces from sketches: lines of a face from the front.
 
     The likeliest face for the lines comes first: what a network sees, or an elastic one for lines that no usual face
     has. Then its curves are moved onto the lines, at the depth that they have, and the surface goes along. Strokes that
-    do not name their curve find it; what draws none is a wrinkle. With several SKETCHes --image is a folder of pictures
-    with the same names. In the picture that is written, silhouette, features and wrinkles are red, blue and black, and
-    the curves of the face are orange.
+    do not name their curve find it, with what a second network reads in them, which also cuts those that draw several;
+    what draws none is a wrinkle. With several SKETCHes --image is a folder of pictures with the same names. In the
+    picture that is written, silhouette, features and wrinkles are red, blue and black, and the curves of the face are
+    orange.
 
     \b
     Example:
@@ -62,5 +64,5 @@ def command(ctx, sketches, out, out_dir, follow, coarse, network, image, model, 
     from caricli.commands.shared.batch import run_batch
     from caricli.commands.shared.sketch_batch import SketchTask
 
-    task = SketchTask(sketches, out, out_dir, image, coarse, network, model, head, levels, follow, overwrite)
+    task = SketchTask(sketches, out, out_dir, image, coarse, network, strokes, model, head, levels, follow, overwrite)
     run_batch(ctx, task.jobs, task.run, "faces")

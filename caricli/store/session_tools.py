@@ -16,6 +16,7 @@ from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.methods.rig.head_expressions import open_head_expressions
 from caricli.methods.session.operations import operate
 from caricli.methods.session.work import CANVAS_SIDE, Work
+from caricli.methods.sketch.read_strokes import read_strokes
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.see_sketch import see_sketch
 from caricli.models.gesture.model import GestureModel
@@ -29,6 +30,7 @@ from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.pictures import PICTURES
 from caricli.store.sketch_networks import load_sketch_pair
 from caricli.store.sketches import load_sketch
+from caricli.store.strokes import load_strokes
 from caricli.structures import Directions, Face, Operation, Sketch, Start
 
 
@@ -64,7 +66,7 @@ class SessionTools:
     def reconstruction(self) -> SketchReconstruction:
         """Faces that follow lines."""
         see = partial(see_sketch, network=self.network, basis=self.basis)
-        return SketchReconstruction.of(self.encoder, see)
+        return SketchReconstruction.of(self.encoder, see, partial(read_strokes, network=load_strokes()))
 
     @cached_property
     def directions(self) -> Directions:

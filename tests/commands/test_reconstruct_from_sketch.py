@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.io.bundled import asset_path
 from caricli.io.face import read_face
 from caricli.io.image import read_image
 from caricli.io.meshes.mesh import read_mesh
@@ -61,6 +62,12 @@ def test_names_of_no_curve_are_told(run, drawing, tmp_path):
     assert "typo.json: strokes are left" in result.stderr
     assert "hat, mouth_uper (mouth_upper?)" in result.stderr
     assert "are left" not in run(COMMAND, drawing, "--out", tmp_path / "g.obj", *words).stderr
+
+
+def test_a_network_of_strokes_that_is_none_is_refused(refused, drawing, tmp_path):
+    """Even where all strokes name their curves, so that nothing would be read."""
+    line = refused(COMMAND, drawing, "--out", tmp_path / "f.obj", "--strokes", asset_path("sketch.safetensors"))
+    assert "expected a stroke network" in line
 
 
 def test_following_is_a_share(run, drawing, tmp_path):

@@ -24,6 +24,7 @@ from caricli.methods.faces.subdivide_face import subdivide_face
 from caricli.methods.parts.whole_head import mesh_face, whole_head
 from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.settings import COARSE
+from caricli.methods.sketch.strokes_read import Read, StrokesRead
 from caricli.models.shape_model import ShapeModel
 from caricli.store.face_files import write_face_files
 from caricli.store.landmark_encoders import elastic_encoder
@@ -43,9 +44,9 @@ class SketchTask:
 
     sketches: paths. out: of one result; out_dir: folder of many. image: path of the picture that a sketch was drawn
     over, or of a folder of them. coarse: of COARSE, or None for the network where it knows the mesh. network: path of
-    it, or None for the bundled one. model_path: of the shape model, or None for the bundled one. head: HeadChoice of
-    the mesh, or None for the skin. levels: how often its polygons are split. follow: share of the way to the lines.
-    overwrite: whether files that exist are replaced.
+    it; strokes: of the one that reads strokes; model_path: of the shape model; None for the bundled ones. head:
+    HeadChoice of the mesh, or None for the skin. levels: how often its polygons are split. follow: share of the way to
+    the lines. overwrite: whether files that exist are replaced.
     """
 
     sketches: Sequence[Path]
@@ -54,6 +55,7 @@ class SketchTask:
     image: Path | None
     coarse: str | None
     network: Path | None
+    strokes: Path | None
     model_path: Path | None
     head: HeadChoice | None
     levels: int
@@ -76,7 +78,8 @@ class SketchTask:
         """From sketches to faces. Raises InputError where a network was asked for that does not know the mesh."""
         model = load_model(self.model_path, DEFAULT_LATENT)
         encoder = elastic_encoder(model)
-        plain = SketchReconstruction.of(encoder)
+        read = self._reader if self.strokes else self._read
+        plain = SketchReconstruction.of(encoder, read=read)
         if self.coarse == COARSE[1]:
             return plain
         # PyTorch takes a while to start.
@@ -92,7 +95,18 @@ class SketchTask:
                 "the network: expected --model of the mesh whose faces it tells, found one of another mesh"
             )
         see = partial(see_sketch, network=network, basis=basis)
-        return SketchReconstruction.of(encoder, see)
+        return SketchReconstruction.of(encoder, see, read)
+
+    @cached_property
+    def _reader(self) -> Read:
+        from caricli.methods.sketch.read_strokes import read_strokes
+        from caricli.store.strokes import load_strokes
+
+        return partial(read_strokes, network=load_strokes(self.strokes))
+
+    def _read(self, sketch: Sketch) -> StrokesRead:
+        """What the strokes of a sketch draw; the network is loaded for the first one that needs it."""
+        return self._reader(sketch)
 
     @property
     def model(self) -> ShapeModel:
@@ -107,7 +121,7 @@ class SketchTask:
     def run(self, path: Path, target: Path) -> str:
         """Make the face of a sketch, write it, and say how near its curves came to the lines."""
         image = find_picture(self.image, path, None if self.out else target.stem)
-        inputs = (*self.sketches, self.network, self.model_path, image)
+        inputs = (*self.sketches, self.network, self.strokes, self.model_path, image)
         with staged_face(target, self.overwrite, inputs) as files:
             sketch = load_sketch(path)
             reconstruction = self.reconstruction
@@ -119,7 +133,7 @@ class SketchTask:
             finer = subdivide_face(fit.face, self.model, self.fine)
             write_face_files(files[0], files[1], fit.face, mesh_face(fit.face, template, self.head, finer))
             about: dict[str, Any] = {"model_id": self.model.model_id, "follow": self.follow, "subdivide": self.levels}
-            report = provenance("reconstruct-from-sketch", [path, image, self.network], **about)
+            report = provenance("reconstruct-from-sketch", [path, image, self.network, self.strokes], **about)
             write_json(files[2], report | fit.figures() | {"seconds": seconds})
             pixels = None if image is None else read_image(image)
 

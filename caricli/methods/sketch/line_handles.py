@@ -1,6 +1,7 @@
 """The vertices of a head that lines are drawn of, and where a sketch wants them."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,3 +61,9 @@ def lines_by_curve(sketch: Sketch) -> dict[str, list[np.ndarray]]:
         if stroke.curve is not None and stroke.length > least:
             drawn.setdefault(stroke.curve, []).append(stroke.points)
     return drawn
+
+
+def with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
+    """A sketch without the names that a head has no curve of."""
+    rows = handles.rows
+    return sketch.with_strokes(s if s.curve in rows else replace(s, curve=None) for s in sketch.strokes)

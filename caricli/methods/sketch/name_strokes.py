@@ -2,18 +2,18 @@
 
 from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from caricli.errors import InputError
-from caricli.methods.sketch.find_irises import find_irises
 from caricli.methods.sketch.find_outline import find_outline
 from caricli.methods.sketch.fit_lines import fit_lines, line_camera
 from caricli.methods.sketch.lay_over import faces_over, mouths_over
-from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
+from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve, with_own_names
 from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
+from caricli.methods.sketch.nameless_strokes import NamelessStrokes, rejoined
 from caricli.methods.sketch.names_in_order import names_in_order
 from caricli.methods.sketch.settings import (
     BESIDE,
@@ -26,15 +26,12 @@ from caricli.methods.sketch.settings import (
     NamingSettings,
 )
 from caricli.methods.sketch.stroke_candidates import Candidate, candidates_at, split_ring, stroke_costs
+from caricli.methods.sketch.strokes_read import Read
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
-from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from caricli.structures.sketch import Sketch, Stroke
 from caricli.template.feature_curves import SILHOUETTE
 
-_MOST = 256
-"""Strokes that are looked at, the longest."""
-_SHORTEST = 0.01
-"""Of the canvas, or twice a smaller drawing in it: what is shorter draws no curve."""
 _QUICK = LineFitSettings(rounds=3)
 _NEARLY = 1.1
 """Of the least cost: up to this an overlay comes first that names all strokes."""
@@ -61,108 +58,49 @@ def name_strokes(
     model: ShapeModel,
     settings: NamingSettings = NamingSettings(),  # noqa: B008 (frozen)
     see: Callable[[Sketch], Face] | None = None,
+    read: Read | None = None,
 ) -> Sketch:
     """Find the curve of every stroke that does not name one.
 
     The curves of the mean face are laid over the sketch, once for every box that this may be of; strokes and curves are
     then assigned to each other for the least sum of costs (the Hungarian method), a stroke that is dear everywhere to
-    none; camera and latent of the model follow the strokes so named, and all again. The same begins with the face that
-    a network sees, which counts where it costs less in the end. Where strokes are left, parts go where the network sees
-    them, and the mouth over what is left below the nose, if that costs less. The cost is the mean distance of the
-    stroke from the curve, and, counting less, of the curve from the stroke, and their difference in direction. Brows,
-    lids and lips that clearly lie one below the other change their names accordingly. Then strokes continue curves that
-    others have drawn in part, and one that goes around all features is the outline where none is. Of a closed stroke
-    that is both lids, or both lips, two are made. Names that are given stay; wrinkles without a name stay without, and
-    irises and pupils become such.
+    none; camera and latent of the model follow the strokes so named, and all again. The same begins with the faces that
+    networks tell, what one sees and what goes with the names that another one reads, each of which counts where it
+    costs less in the end. Where strokes are left, parts go where these faces have them, and the mouth over what is left
+    below the nose, if that costs less. The cost is the mean distance of the stroke from the curve, and, counting less,
+    of the curve from the stroke, their difference in direction, and how unlikely the network that reads strokes finds
+    it. Brows, lids and lips that clearly lie one below the other change their names accordingly. Then strokes continue
+    curves that others have drawn in part, and one that goes around all features is the outline where none is. Of a
+    closed stroke that is both lids, or both lips, two are made, and of one that draws several curves as many as are
+    read. Names that are given stay; wrinkles without a name stay without, and irises and pupils become such.
 
     sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings. see:
-    gives a network's face of the same topology with its camera, as ``see_sketch`` does, or None.
+    gives a network's face of the same topology with its camera, as ``see_sketch`` does, or None. read: tells what a
+    network reads, as ``read_strokes`` does, or None.
     Returns the Sketch with names; strokes of no curve stay as they were.
     """
-    nameless = _Nameless.of(_with_own_names(sketch, handles))
+    nameless = NamelessStrokes.of(with_own_names(sketch, handles), read)
     if not nameless.numbers:
         return nameless.sketch
     mean = model.decode_points(model.prior.mean, handles.vertices)
     laid = _laid_over(nameless, handles, mean)
     # One size for all, so that costs compare.
     unit = float(np.median([np.linalg.norm(np.ptp(own, axis=0)) for own in laid]))
+    faces = [] if see is None else [see(nameless.sketch)]
+    with suppress(InputError):
+        faces.append(fit_lines(lines_by_curve(nameless.told), handles, model, _QUICK))
+    seen = [_own(face, handles) for face in faces]
     starts = [_likeliest([_Naming(nameless, handles, own, unit, settings) for own in laid])]
-    if see is not None:
-        starts.append(_Naming(nameless, handles, _own(see(nameless.sketch), handles), unit, settings))
-    seen = [start.own for start in starts[1:]]
+    starts += [_Naming(nameless, handles, own, unit, settings) for own in seen]
     best, *others = [start.settled(handles, model, unit).by_parts(seen, handles, model, unit) for start in starts]
     for other in others:
         # What finds curves for short strokes alone, beside an outline that is left, is no better.
         if _TIE * other.cost < best.cost and other.length > _NEARLY_ALL * best.length:
             best = other
-    return best.named()
+    return rejoined(best.named(), sketch)
 
 
-def unsure_share(sketch: Sketch, named: Sketch, handles: LineHandles) -> float:
-    """Share of the strokes without a curve's name, and no wrinkles, that found none, 0 to 1; 0 where most strokes name
-    their curves, beside which wrinkles need no name. named: see above.
-    """
-    own = _with_own_names(sketch, handles)
-    if 2 * sum(stroke.curve is not None for stroke in own.strokes) > len(own.strokes):
-        return 0.0
-    counts = [
-        sum(stroke.curve is None and stroke.kind != StrokeKind.WRINKLE for stroke in each.strokes)
-        for each in (own, named)
-    ]
-    # A closed stroke that was taken for two may have been left as two.
-    return min(counts[1] / counts[0], 1.0) if counts[0] else 0.0
-
-
-def _with_own_names(sketch: Sketch, handles: LineHandles) -> Sketch:
-    """The sketch without names that the head has no curve of."""
-    rows = handles.rows
-    return sketch.with_strokes(s if s.curve in rows else replace(s, curve=None) for s in sketch.strokes)
-
-
-@dataclass(frozen=True, eq=False)
-class _Nameless:
-    """A sketch, its irises and pupils wrinkles: lids would be looked for in them.
-
-    numbers: of the strokes that may draw a curve which they do not name. eyes: (S,) bool, which of these go around an
-    iris, however large.
-    """
-
-    sketch: Sketch
-    numbers: list[int]
-    eyes: np.ndarray
-
-    @classmethod
-    def of(cls, sketch: Sketch) -> "_Nameless":
-        """Those of a sketch."""
-        numbers = _longest(sketch)
-        irises, eyes = find_irises([sketch.strokes[number] for number in numbers])
-        plain = {numbers[k] for k in irises}
-        around = np.isin(np.arange(len(numbers)), eyes)[[number not in plain for number in numbers]]
-        strokes = (
-            replace(stroke, kind=StrokeKind.WRINKLE) if number in plain else stroke
-            for number, stroke in enumerate(sketch.strokes)
-        )
-        return cls(sketch.with_strokes(strokes), [number for number in numbers if number not in plain], around)
-
-    @property
-    def strokes(self) -> list[Stroke]:
-        """The strokes of these numbers."""
-        return [self.sketch.strokes[number] for number in self.numbers]
-
-
-def _longest(sketch: Sketch) -> list[int]:
-    """Numbers of the strokes that may draw a curve which they do not name, the longest ones."""
-    drawn = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in sketch.strokes)])
-    least = _SHORTEST * min(max(sketch.size), 2 * float(np.ptp(drawn, axis=0).max())) if len(drawn) else 0.0
-    lengths = {
-        number: stroke.length
-        for number, stroke in enumerate(sketch.strokes)
-        if stroke.curve is None and stroke.kind != StrokeKind.WRINKLE and stroke.length > least
-    }
-    return sorted(sorted(lengths, key=lambda number: -lengths[number])[:_MOST])
-
-
-def _laid_over(nameless: _Nameless, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
+def _laid_over(nameless: NamelessStrokes, handles: LineHandles, mean: np.ndarray) -> list[np.ndarray]:
     """(H, 2) pixels of the handles of a face (H, 3), where enough strokes have names for the camera that these tell, or
     else for all that the others may be."""
     with suppress(InputError):
@@ -193,7 +131,7 @@ class _Naming:
     """What the strokes of a sketch draw of a face that lies somewhere. cost: sum over those that do not name it."""
 
     def __init__(
-        self, nameless: _Nameless, handles: LineHandles, own: np.ndarray, unit: float, settings: NamingSettings
+        self, nameless: NamelessStrokes, handles: LineHandles, own: np.ndarray, unit: float, settings: NamingSettings
     ) -> None:
         """own: (H, 2) pixels of the handles. unit: pixels, diagonal of a face."""
         self.nameless = nameless
@@ -204,6 +142,7 @@ class _Naming:
         self.numbers = nameless.numbers
         strokes = nameless.strokes
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
+        self.costs.whole[:] += settings.unlikely * nameless.surprise([each.names for each in self.candidates])
         names = [each.names[0] for each in self.candidates]
         unlikely = np.outer(mirrored_strokes(strokes), [name.startswith(MIDDLE) for name in names])
         self.costs.whole[unlikely] = np.inf

@@ -19,10 +19,12 @@ from caricli.methods.sketch.fit_lines import Lines
 from caricli.methods.sketch.follow_lines import LineFollower
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.model_coarse import CoarseFace, model_coarse
-from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
+from caricli.methods.sketch.name_strokes import name_strokes
 from caricli.methods.sketch.network_coarse import network_coarse
 from caricli.methods.sketch.settings import ELASTIC, FollowSettings
 from caricli.methods.sketch.sides_exchanged import sides_exchanged
+from caricli.methods.sketch.strokes_read import Read
+from caricli.methods.sketch.unsure_share import unsure_share
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
 from caricli.structures.sketch import Sketch, StrokeKind
@@ -162,14 +164,19 @@ class SketchReconstruction:
     """
 
     @classmethod
-    def of(cls, encoder: LandmarkEncoder, see: Callable[[Sketch], Face] | None = None) -> "SketchReconstruction":
+    def of(
+        cls,
+        encoder: LandmarkEncoder,
+        see: Callable[[Sketch], Face] | None = None,
+        read: Read | None = None,
+    ) -> "SketchReconstruction":
         """Faces of the model of a LandmarkEncoder that begin with what a network sees, or else with the model.
 
-        see: gives a network's face of the same topology with its camera, as ``see_sketch`` does, or None.
+        see, read: what strokes without names are told by, see ``name_strokes``.
         """
         if see is None:
-            return cls(encoder.model, partial(model_coarse, encoder=encoder))
-        return cls(encoder.model, partial(network_coarse, see=see, encoder=encoder), see=see)
+            return cls(encoder.model, partial(model_coarse, encoder=encoder), read=read)
+        return cls(encoder.model, partial(network_coarse, see=see, encoder=encoder), see=see, read=read)
 
     def __init__(
         self,
@@ -177,8 +184,9 @@ class SketchReconstruction:
         coarse: Coarse,
         settings: FollowSettings = FollowSettings(),  # noqa: B008 (frozen)
         see: Callable[[Sketch], Face] | None = None,
+        read: Read | None = None,
     ) -> None:
-        """coarse: gives the face that lines are followed from, in the topology of the model. see: what strokes
+        """coarse: gives the face that lines are followed from, in the topology of the model. see, read: what strokes
         without names are told by, see ``name_strokes``.
 
         Raises InputError for a model whose annotation names no curves.
@@ -187,6 +195,7 @@ class SketchReconstruction:
         self.handles = LineHandles(named_curves(model.template.annotation))
         self.follower = LineFollower(model.template, self.handles, settings)
         self._see = see
+        self._read = read
         self._coarse = coarse
         self._settings = settings
 
@@ -195,7 +204,7 @@ class SketchReconstruction:
 
         share: of the way from the likely face to the lines, 0 to 1. Raises InputError where nothing can be told.
         """
-        named = name_strokes(sketch, self.handles, self.model, see=self._see)
+        named = name_strokes(sketch, self.handles, self.model, see=self._see, read=self._read)
         fit = self._fit(sketch, named, share)
         for _ in range(_ROUNDS):
             curve = _contradicting(sketch, fit)

@@ -112,7 +112,8 @@ class NamingSettings:
     junctions of lines in pictures leave shorter ones. dearest: cost above which a stroke draws no curve. piece: the
     same for one that continues a curve. covered: share of a stroke that may lie along what was drawn already when it
     continues a curve. seldom: cost of a curve that is drawn beside others, if at all, and of a piece of ``PIECED``.
-    rounds: of a face that follows the names, and names.
+    unlikely: cost of a curve that a network finds e times less likely. rounds: of a face that follows the names, and
+    names.
     """
 
     turn: float = 0.1
@@ -124,6 +125,7 @@ class NamingSettings:
     piece: float = 0.05
     covered: float = 0.3
     seldom: float = 0.03
+    unlikely: float = 0.01
     rounds: int = 2
 
 

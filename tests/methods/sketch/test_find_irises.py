@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from caricli.methods.sketch.find_irises import find_irises
-from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
+from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.unsure_share import unsure_share
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
 TURN = np.linspace(0, 2 * np.pi, 60)

@@ -5,13 +5,19 @@ from functools import partial
 import numpy as np
 import pytest
 
+from caricli.geometry.lines.match_line import resample
+from caricli.methods.sketch.clean_drawing import clean_drawing
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.methods.sketch.line_handles import LineHandles
-from caricli.methods.sketch.name_strokes import name_strokes, unsure_share
+from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.read_strokes import read_strokes
 from caricli.methods.sketch.see_sketch import see_sketch
+from caricli.methods.sketch.unsure_share import unsure_share
 from caricli.methods.sketch.vary_sketch import vary_sketch
+from caricli.render.pixels.rasterise_sketch import rasterise_sketch
 from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.sketch_networks import load_sketch_pair
+from caricli.store.strokes import load_strokes
 from caricli.structures import Camera, Face
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 from caricli.template.feature_curves import named_curves
@@ -241,3 +247,34 @@ def test_wrinkles_without_a_name_beside_named_curves_are_not_unsure(sketch, hand
     assert unsure_share(drawn, drawn, handles) == 0
     bare = sketch.with_strokes((*sketch.strokes[:6], *6 * [wrinkle]))
     assert unsure_share(bare, bare, handles) == 1
+
+
+def met(named, drawn):
+    """Share of the places of drawn curves that lie on a line of their name, each sketch in a box of its own."""
+    boxes = [np.concatenate([stroke.points for stroke in each.strokes]) for each in (named, drawn)]
+    lows, sizes = zip(*((box.min(0), np.ptp(box, axis=0).max()) for box in boxes), strict=True)
+    lines: dict = {}
+    for stroke in named.strokes:
+        lines.setdefault(stroke.curve, []).append((resample(stroke.points, 200) - lows[0]) / sizes[0])
+    shares = []
+    for stroke in drawn.strokes:
+        places = (resample(stroke.points, 100) - lows[1]) / sizes[1]
+        own = np.concatenate(lines.get(stroke.curve, [np.full((1, 2), np.inf)]))
+        shares.append((np.linalg.norm(places[:, None] - own, axis=-1).min(1) < 0.006).mean())
+    return np.mean(shares)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_lines_that_run_into_each_other_on_paper_are_told_apart(seed):
+    """Where lines touch in a picture, tracing it makes strokes of several curves."""
+    model = load_model(kind=DEFAULT_LATENT)
+    handles = LineHandles(named_curves(model.template.annotation))
+    person = model.decode(model.prior.colour(np.random.default_rng(seed).normal(size=len(model.prior.mean))))
+    drawn = draw_sketch(person, handles.curves, canvas_camera(person, handles.curves))
+    ink = 255 - rasterise_sketch(drawn, 900, 2.5)
+    read = partial(read_strokes, network=load_strokes())
+    alone, told = (
+        met(name_strokes(clean_drawing(np.dstack([ink] * 3)), handles, model, read=each), drawn)
+        for each in (None, read)
+    )
+    assert told > 0.75 and told > alone + 0.1

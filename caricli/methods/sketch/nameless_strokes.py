@@ -1,0 +1,96 @@
+"""The strokes of a sketch whose curves are to be found, and what is known of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from caricli.methods.sketch.find_irises import find_irises
+from caricli.methods.sketch.strokes_read import Read, StrokesRead
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+
+_MOST = 256
+"""Strokes that are looked at, the longest."""
+_SHORTEST = 0.01
+"""Of the canvas, or twice a smaller drawing in it: what is shorter draws no curve."""
+_CHANCES = (1e-2, 0.14)
+"""Of a curve: the least that counts, and one that speaks neither for it nor against it."""
+
+
+@dataclass(frozen=True, eq=False)
+class NamelessStrokes:
+    """A sketch, its irises and pupils wrinkles: lids would be looked for in them.
+
+    numbers: of the strokes that may draw a curve which they do not name. eyes: (S,) bool, which of these go around an
+    iris, however large. told: Sketch with the names that a network reads, too. read: StrokesRead of it, or None.
+    """
+
+    sketch: Sketch
+    numbers: list[int]
+    eyes: np.ndarray
+    told: Sketch
+    read: StrokesRead | None
+
+    @classmethod
+    def of(cls, sketch: Sketch, read: Read | None = None) -> "NamelessStrokes":
+        """Those of a sketch, cut as a network reads them."""
+        strokes_read = read(sketch) if read is not None and _longest(sketch) else None
+        told = sketch if strokes_read is None else strokes_read.sketch
+        given = {stroke.curve for stroke in sketch.strokes}
+        cut = told.with_strokes(s if s.curve in given else replace(s, curve=None) for s in told.strokes)
+        numbers = _longest(cut)
+        irises, eyes = find_irises([cut.strokes[number] for number in numbers])
+        plain = {numbers[k] for k in irises}
+        around = np.isin(np.arange(len(numbers)), eyes)[[number not in plain for number in numbers]]
+        strokes = (
+            replace(stroke, kind=StrokeKind.WRINKLE) if number in plain else stroke
+            for number, stroke in enumerate(cut.strokes)
+        )
+        left = [number for number in numbers if number not in plain]
+        return cls(cut.with_strokes(strokes), left, around, told, strokes_read)
+
+    @property
+    def strokes(self) -> list[Stroke]:
+        """The strokes of these numbers."""
+        return [self.sketch.strokes[number] for number in self.numbers]
+
+    def surprise(self, candidates: Sequence[tuple[str, ...]]) -> np.ndarray:
+        """(S, C) by how much it speaks against each stroke drawing one of the curves of a candidate that a network
+        finds it unlikely, in logarithms of chances; below 0 where it is likely, 0 without a network, or for curves that
+        it knows nothing of.
+
+        candidates: C names of one or several curves.
+        """
+        if self.read is None:
+            return np.zeros((len(self.numbers), len(candidates)))
+        draws = np.array([[name in names for name in self.read.curves] for names in candidates])
+        chances = self.read.chances[self.numbers] @ draws.T
+        least, neither = _CHANCES
+        return np.where(draws.any(1), -np.log(np.maximum(chances, least) / neither), 0.0)
+
+
+def rejoined(named: Sketch, sketch: Sketch) -> Sketch:
+    """A named sketch whose pieces are in one again where those that follow each other draw the same. sketch: before it
+    was cut."""
+    whole = {stroke.points.tobytes() for stroke in sketch.strokes}
+    strokes: list[Stroke] = []
+    for stroke in named.strokes:
+        last = strokes[-1] if strokes else stroke
+        cut = not whole.intersection((last.points.tobytes(), stroke.points.tobytes()))
+        if cut and last.curve == stroke.curve and last.points[-1].tobytes() == stroke.points[0].tobytes():
+            strokes[-1] = last.moved_to(np.concatenate([last.points, stroke.points[1:]]))
+        else:
+            strokes.append(stroke)
+    return named.with_strokes(strokes)
+
+
+def _longest(sketch: Sketch) -> list[int]:
+    """Numbers of the strokes that may draw a curve which they do not name, the longest ones."""
+    drawn = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in sketch.strokes)])
+    least = _SHORTEST * min(max(sketch.size), 2 * float(np.ptp(drawn, axis=0).max())) if len(drawn) else 0.0
+    lengths = {
+        number: stroke.length
+        for number, stroke in enumerate(sketch.strokes)
+        if stroke.curve is None and stroke.kind != StrokeKind.WRINKLE and stroke.length > least
+    }
+    return sorted(sorted(lengths, key=lambda number: -lengths[number])[:_MOST])
