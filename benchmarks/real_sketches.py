@@ -121,6 +121,13 @@ def nme(landmarks, points):
     return 100 * float(np.linalg.norm(landmarks[:68] - points, axis=1).mean() / diagonal)
 
 
+def rightly_named(sketch, named):
+    """Share of the strokes of LINES that are named rightly, and in one."""
+    told = {stroke.points.tobytes(): stroke.curve for stroke in named.strokes}
+    drawn = zip(LINES, sketch.strokes, strict=True)
+    return float(np.mean([told.get(stroke.points.tobytes()) == curve for curve, stroke in drawn]))
+
+
 def reconstruction_of(options):
     """The SketchReconstruction that was asked for."""
     model = load_model(options.model, DEFAULT_LATENT)
@@ -161,15 +168,15 @@ def main():
             except InputError as error:
                 print(path.stem, kind, "refused:", error, flush=True)
                 continue
-            right = [a == b.curve for a, b in zip(LINES, fits[1.0].sketch.strokes, strict=False)]
             rows[path.stem][kind] = {
                 "nme": nme(fits[0.0].face.landmarks, points),
                 "nme_followed": nme(fits[1.0].face.landmarks, points),
                 "line_error": fits[1.0].errors["all"],
                 "flipped": fits[1.0].flipped,
                 "unsure": fits[1.0].unsure,
-                "rightly_named": float(np.mean(right)),
             }
+            if kind != "edges":
+                rows[path.stem][kind]["rightly_named"] = rightly_named(sketch, fits[1.0].sketch)
             print(path.stem, kind, rows[path.stem][kind], flush=True)
             if options.sheets:
                 options.sheets.mkdir(exist_ok=True)
