@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from caricli.geometry.lines.match_line import resample
 from caricli.methods.sketch.line_handles import LineHandles
@@ -84,7 +85,7 @@ def stroke_costs(
     along = _directions(curves)
     for s, stroke in enumerate(strokes):
         line = resample(stroke.points, _POINTS[0])
-        gaps = np.linalg.norm(line[None, :, None] - curves[:, None], axis=-1) / unit
+        gaps = cdist(line, curves.reshape(-1, 2)).reshape(len(line), *curves.shape[:2]).swapaxes(0, 1) / unit
         nearest[s] = gaps.argmin(2)
         there = np.take_along_axis(along, nearest[s][..., None], 1)
         turned = 1 - np.abs((_directions(line) * there).sum(-1)).mean(1)
