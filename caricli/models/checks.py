@@ -29,6 +29,8 @@ def curve_names(names: Any) -> tuple[str, ...]:
     sound = isinstance(names, list) and 0 < len(names) <= _CURVES
     if not sound or not all(isinstance(name, str) and 0 < len(name) <= NAME_LENGTH for name in names):
         raise InputError(f"expected 1 to {_CURVES} names of curves, found {shown(names, 60)!r}")
+    if len({*names}) < len(names):
+        raise InputError(f"expected every curve once, found {shown(names, 60)!r}")
     return tuple(names)
 
 

@@ -92,6 +92,15 @@ def test_an_empty_sketch_is_refused(model):
         model.read(Sketch(()))
 
 
+def test_weights_that_overflow_are_refused():
+    network = StrokeNetwork(SIZE, 4, torch.Generator().manual_seed(0))
+    with torch.no_grad():
+        for weights in network.parameters():
+            weights.fill_(6e4)
+    with pytest.raises(InputError, match="overflow"):
+        StrokeModel(network, 64, CURVES).read(SKETCH)
+
+
 def test_a_patch_is_the_ink_around_a_place():
     network = StrokeNetwork(SIZE, 2, torch.Generator().manual_seed(0))
     assert network.size.patch == 5
@@ -118,6 +127,7 @@ def test_a_checkpoint_rebuilds_it(model):
         ({"size": 80}, "multiple of 32"),
         ({"curves": ["nose"]}, "last.weight: expected"),
         ({"curves": [3]}, "names of curves"),
+        ({"curves": ["nose", "nose", "brow_left"]}, "every curve once"),
         ({"network": {"widths": [8]}}, "expected a network of"),
     ],
 )

@@ -104,9 +104,9 @@ class SketchTask:
 
         return partial(read_strokes, network=load_strokes(self.strokes))
 
-    def _read(self, sketch: Sketch) -> StrokesRead:
+    def _read(self, sketch: Sketch, whole: Sequence[int]) -> StrokesRead:
         """What the strokes of a sketch draw; the network is loaded for the first one that needs it."""
-        return self._reader(sketch)
+        return self._reader(sketch, whole)
 
     @property
     def model(self) -> ShapeModel:

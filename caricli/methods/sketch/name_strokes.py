@@ -16,6 +16,7 @@ from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
 from caricli.methods.sketch.nameless_strokes import NamelessStrokes, rejoined
 from caricli.methods.sketch.names_in_order import names_in_order
 from caricli.methods.sketch.settings import (
+    ALONE,
     BESIDE,
     MIDDLE,
     MOUTH,
@@ -69,10 +70,11 @@ def name_strokes(
     costs less in the end. Where strokes are left, parts go where these faces have them, and the mouth over what is left
     below the nose, if that costs less. The cost is the mean distance of the stroke from the curve, and, counting less,
     of the curve from the stroke, their difference in direction, and how unlikely the network that reads strokes finds
-    it. Brows, lids and lips that clearly lie one below the other change their names accordingly. Then strokes continue
-    curves that others have drawn in part, and one that goes around all features is the outline where none is. Of a
-    closed stroke that is both lids, or both lips, two are made, and of one that draws several curves as many as are
-    read. Names that are given stay; wrinkles without a name stay without, and irises and pupils become such.
+    it. Brows, lids and lips that clearly lie one below the other change their names accordingly, and what would be
+    drawn beside a lid or nose that is not drawn is this. Then strokes continue curves that others have drawn in part,
+    and one that goes around all features is the outline where none is. Of a closed stroke that is both lids, or both
+    lips, two are made, and of one that draws several curves as many as are read. Names that are given stay; wrinkles
+    without a name stay without, and irises and pupils become such.
 
     sketch: Sketch. handles: LineHandles of the model's template. model: any ShapeModel. settings: NamingSettings. see:
     gives a network's face of the same topology with its camera, as ``see_sketch`` does, or None. read: tells what a
@@ -155,6 +157,7 @@ class _Naming:
         self.chosen: dict[int, Candidate] = {}
         self.cost = self._assign()
         self._put_in_order(_APART * unit)
+        self._let_none_stand_alone()
         self._continue([stroke.length for stroke in strokes])
         self._find_outline()
 
@@ -296,6 +299,18 @@ class _Naming:
         lines = {name: self.sketch.strokes[number].points for name, number in numbers.items()}
         for name, right in names_in_order(lines, least).items():
             self.chosen[numbers[name]] = single[right]
+
+    def _let_none_stand_alone(self) -> None:
+        """Let what would be drawn beside a curve that is not drawn draw that curve, if it may."""
+        single = {each.names[0]: c for c, each in enumerate(self.candidates) if not each.loop}
+        drawn = {name for each in self.chosen.values() for name in each.names}
+        drawn |= {stroke.curve for stroke in self.sketch.strokes if stroke.curve is not None}
+        for number, each in self.chosen.items():
+            other = ALONE.get(each.names[0])
+            if other not in single or other in drawn:
+                continue
+            if self.costs.whole[self.numbers.index(number), single[other]] < self.settings.dearest:
+                self.chosen[number] = self.candidates[single[other]]
 
     def _continue(self, lengths: list[float]) -> None:
         """Let strokes that are left continue what others draw, the longest first."""

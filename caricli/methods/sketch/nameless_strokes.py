@@ -33,21 +33,21 @@ class NamelessStrokes:
 
     @classmethod
     def of(cls, sketch: Sketch, read: Read | None = None) -> "NamelessStrokes":
-        """Those of a sketch, cut as a network reads them."""
-        strokes_read = read(sketch) if read is not None and _longest(sketch) else None
-        told = sketch if strokes_read is None else strokes_read.sketch
+        """Those of a sketch, cut as a network reads them, but for irises and the lines around them."""
+        numbers = _longest(sketch)
+        irises, around = ([numbers[k] for k in found] for found in find_irises([sketch.strokes[n] for n in numbers]))
+        plain = sketch.with_strokes(
+            replace(stroke, kind=StrokeKind.WRINKLE) if number in irises else stroke
+            for number, stroke in enumerate(sketch.strokes)
+        )
+        strokes_read = read(plain, around) if read is not None and _longest(plain) else None
+        told = plain if strokes_read is None else strokes_read.sketch
         given = {stroke.curve for stroke in sketch.strokes}
         cut = told.with_strokes(s if s.curve in given else replace(s, curve=None) for s in told.strokes)
-        numbers = _longest(cut)
-        irises, eyes = find_irises([cut.strokes[number] for number in numbers])
-        plain = {numbers[k] for k in irises}
-        around = np.isin(np.arange(len(numbers)), eyes)[[number not in plain for number in numbers]]
-        strokes = (
-            replace(stroke, kind=StrokeKind.WRINKLE) if number in plain else stroke
-            for number, stroke in enumerate(cut.strokes)
-        )
-        left = [number for number in numbers if number not in plain]
-        return cls(cut.with_strokes(strokes), left, around, told, strokes_read)
+        left = _longest(cut)
+        eyes = {sketch.strokes[number].points.tobytes() for number in around}
+        is_eye = np.array([cut.strokes[number].points.tobytes() in eyes for number in left], bool)
+        return cls(cut, left, is_eye, told, strokes_read)
 
     @property
     def strokes(self) -> list[Stroke]:

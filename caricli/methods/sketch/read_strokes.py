@@ -1,15 +1,17 @@
 """What a network reads in the strokes of a sketch: where they change, and what they draw."""
 
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from caricli.geometry.lines.cut_line import cut_line
-from caricli.methods.sketch.stroke_candidates import is_ring
+from caricli.methods.sketch.stroke_candidates import LOOPS, is_ring
 from caricli.methods.sketch.stroke_runs import stroke_runs
 from caricli.methods.sketch.strokes_read import StrokesRead
 from caricli.models.strokes.model import StrokeModel
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from caricli.template.feature_curves import SILHOUETTE
 
 _LEAST = 1e-3
 """Chance of a curve at a place, at least: a place alone rules out none."""
@@ -18,16 +20,17 @@ _CHANGE = 10.0
 paper a lower price cuts as many, and of a hand's strokes too many."""
 
 
-def read_strokes(sketch: Sketch, network: StrokeModel) -> StrokesRead:
+def read_strokes(sketch: Sketch, whole: Collection[int], network: StrokeModel) -> StrokesRead:
     """What the strokes of a sketch draw.
 
     Strokes change at the corners of an eye that is drawn in one, or where lines of several curves run into each other
     in a picture: along a stroke the likeliest curves of its places one after the other, of which every change has a
-    price (Viterbi). Each stroke is read by itself, so that several may have one name. Strokes that have names keep
-    them, and no other gets one of these; kinds stay, and wrinkles stay what they are.
+    price (Viterbi). Closed ones are cut only into both curves of a loop, or where an outline is one of several. Each
+    stroke is read by itself, so that several may have one name. Strokes that have names keep them, and no other gets
+    one of these; kinds stay, and wrinkles stay what they are.
 
-    sketch: Sketch with lines. network: StrokeModel, whose names may be none of a head's. Raises InputError where
-    nothing is drawn.
+    sketch: Sketch with lines. whole: numbers of strokes that are not cut, and get no name. network: StrokeModel, whose
+    names may be none of a head's. Raises InputError where nothing is drawn, or the network tells no chances.
     """
     reading = network.read(sketch)
     taken = [stroke.curve for stroke in sketch.strokes]
@@ -38,29 +41,33 @@ def read_strokes(sketch: Sketch, network: StrokeModel) -> StrokesRead:
     means: list[np.ndarray] = []
     for number, stroke in enumerate(sketch.strokes):
         rows = np.flatnonzero(reading.places.owner == number)
-        if stroke.curve is not None or stroke.kind == StrokeKind.WRINKLE:
-            strokes.append(stroke)
-            means.append(chances[rows].mean(0))
-            continue
-        for piece, own in _pieces(stroke, logs[rows], reading.places.along[rows]):
-            strokes.append(replace(piece, curve=names[_likeliest(logs[rows[own]])]))
-            means.append(chances[rows[own]].mean(0))
+        pieces = [(stroke, np.arange(len(rows)))]
+        if number not in whole and stroke.curve is None and stroke.kind != StrokeKind.WRINKLE:
+            pieces = _pieces(stroke, logs[rows], reading.places.along[rows], names)
+        strokes += [piece for piece, _ in pieces]
+        means += [chances[rows[own]].mean(0) for _, own in pieces]
     return StrokesRead(sketch.with_strokes(strokes), np.stack(means), reading.curves)
 
 
-def _likeliest(logs: np.ndarray) -> int:
-    """The class of places in a row. logs: (N, C) of the chances at them."""
-    return int(logs.sum(0).argmax())
-
-
-def _pieces(stroke: Stroke, logs: np.ndarray, along: np.ndarray) -> list[tuple[Stroke, np.ndarray]]:
-    """The pieces of a stroke, and the numbers of their places. logs: (N, C) of the chances at the stroke's places.
-    along: (N,) of these, shares of its length."""
+def _pieces(
+    stroke: Stroke, logs: np.ndarray, along: np.ndarray, names: Sequence[str | None]
+) -> list[tuple[Stroke, np.ndarray]]:
+    """The pieces of a stroke with their names, and the numbers of their places. logs: (N, C) of the chances at the
+    stroke's places. along: (N,) of these, shares of its length. names: C of the classes."""
     runs = [np.arange(*run) for run in stroke_runs(logs, _CHANGE)]
-    if len(runs) == 1:
-        return [(stroke, runs[0])]
+    curves = [names[int(logs[run].sum(0).argmax())] for run in runs]
+    ring = is_ring(stroke)
+    if len(runs) == 1 or (ring and not _in_pieces(curves)):
+        return [(replace(stroke, curve=names[int(logs.sum(0).argmax())]), np.arange(len(logs)))]
     lines = cut_line(stroke.points, [along[run[0] - 1 : run[0] + 1].mean() for run in runs[1:]])
-    if is_ring(stroke) and _likeliest(logs[runs[0]]) == _likeliest(logs[runs[-1]]):
+    if ring and curves[0] == curves[-1]:
         lines[0] = np.concatenate([lines.pop(), lines[0]])
         runs[0] = np.concatenate([runs.pop(), runs[0]])
-    return [(stroke.moved_to(line), run) for line, run in zip(lines, runs, strict=True)]
+    pieces = [replace(stroke.moved_to(line), curve=curve) for line, curve in zip(lines, curves, strict=False)]
+    return list(zip(pieces, runs, strict=True))
+
+
+def _in_pieces(curves: Sequence[str | None]) -> bool:
+    """Whether people draw such curves in one closed stroke."""
+    drawn = {curve for curve in curves if curve is not None}
+    return any(drawn.issuperset(loop) for loop in LOOPS) or (SILHOUETTE in drawn and len(drawn) > 1)

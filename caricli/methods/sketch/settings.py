@@ -10,6 +10,9 @@ ELASTIC = "elastic"
 SELDOM = ("eye_fold", "nose_tip", "nostril")
 """What the names of curves begin with that are drawn beside others, the lids and the wings of the nose, if at all."""
 
+ALONE = {"nose_tip": "nose", "eye_fold_left": "eye_upper_left", "eye_fold_right": "eye_upper_right"}
+"""Of curves that are drawn beside others those that are drawn where only one of both is."""
+
 BESIDE = "ear"
 """What the names of curves begin with that lie beside the outline."""
 

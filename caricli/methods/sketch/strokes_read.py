@@ -1,6 +1,6 @@
 """What a network reads in a sketch; light to import, which networks are not."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,5 +21,5 @@ class StrokesRead:
     curves: tuple[str, ...]
 
 
-Read = Callable[[Sketch], StrokesRead]
-"""What tells what a network reads in a sketch, as ``read_strokes`` does."""
+Read = Callable[[Sketch, Sequence[int]], StrokesRead]
+"""What tells what a network reads in a sketch, some strokes of which stay whole, as ``read_strokes`` does."""

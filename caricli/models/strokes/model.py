@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from caricli.errors import naming
+from caricli.errors import InputError, naming
 from caricli.models.checks import check_schema, curve_names, network_size, window_side
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_weights
@@ -52,7 +52,8 @@ class StrokeModel(NetworkModel[StrokeNetwork]):
 
     @torch.inference_mode()
     def read(self, sketch: Sketch) -> StrokeReading:
-        """What the strokes of a sketch draw, whatever their names say. Raises InputError where nothing is drawn.
+        """What the strokes of a sketch draw, whatever their names say. Raises InputError where nothing is drawn,
+        or the network's numbers overflow.
 
         Chances are the means of those of the lines and of their mirror image, so that this says the same of both.
         """
@@ -64,6 +65,8 @@ class StrokeModel(NetworkModel[StrokeNetwork]):
         own = self.network(ink, about).softmax(2)[0]
         turned = self.network(ink.flip(3), about * torch.tensor([-1.0, 1, 1, -1])).softmax(2)[0]
         chances = (own + turned[:, self._turned]) / 2
+        if not chances.isfinite().all():
+            raise InputError("expected a stroke network that tells chances, found one whose numbers overflow")
         return StrokeReading(places, chances[:, 1:].double().numpy(), self.curves)
 
     @property

@@ -1,11 +1,14 @@
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from caricli.methods.sketch.find_irises import find_irises
 from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.read_strokes import read_strokes
 from caricli.methods.sketch.unsure_share import unsure_share
+from caricli.store.strokes import load_strokes
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
 TURN = np.linspace(0, 2 * np.pi, 60)
@@ -83,8 +86,9 @@ def test_closed_lines_around_irises_are_eyes_and_glasses_beyond_are_none():
     assert find_irises([*glasses, *both(*LIDS), *iris])[1] == []
 
 
-def test_eyes_that_are_drawn_round_are_eyes(sketch, handles, model):
-    """Circles far higher than lids ever are, as in comics, with pupils in them."""
+@pytest.mark.parametrize("read", [None, partial(read_strokes, network=load_strokes())], ids=["alone", "read"])
+def test_eyes_that_are_drawn_round_are_eyes(sketch, handles, model, read):
+    """Circles far higher than lids ever are, as in comics, with pupils in them, which what is read would cut."""
     plain = [
         replace(stroke, curve=None, kind=StrokeKind.UNKNOWN) for stroke in sketch.strokes if "eye" not in stroke.curve
     ]
@@ -95,7 +99,7 @@ def test_eyes_that_are_drawn_round_are_eyes(sketch, handles, model):
         x, y = (eye.min(0) + eye.max(0)) / 2
         width = 1.4 * np.ptp(eye[:, 0])
         plain += [ring(x, y, width, 1.2 * width), ring(x, y, 0.25 * width, 0.25 * width)]
-    named = name_strokes(sketch.with_strokes(plain), handles, model)
+    named = name_strokes(sketch.with_strokes(plain), handles, model, read=read)
     for side in ("left", "right"):
         upper, lower = (next(s for s in named.strokes if s.curve == f"eye_{lid}_{side}") for lid in ("upper", "lower"))
         assert upper.points[:, 1].mean() < lower.points[:, 1].mean()
@@ -103,3 +107,4 @@ def test_eyes_that_are_drawn_round_are_eyes(sketch, handles, model):
         next(s.points for s in named.strokes if s.curve == f"eye_upper_{side}") for side in ("right", "left")
     )
     assert right[:, 0].max() < left[:, 0].min()
+    assert len(named.strokes) == len(plain) + 2

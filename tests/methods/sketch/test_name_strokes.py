@@ -19,6 +19,19 @@ from caricli.store.models import DEFAULT_LATENT, load_model
 from caricli.store.sketch_networks import load_sketch_pair
 from caricli.store.strokes import load_strokes
 from caricli.structures import Camera, Face
+from caricli.structures.landmarks import (
+    BRIDGE,
+    BROW_LEFT,
+    BROW_RIGHT,
+    JAW,
+    LOWER_LID,
+    LOWER_LIP,
+    LOWER_LIP_INSIDE,
+    NOSTRILS,
+    UPPER_LID,
+    UPPER_LIP,
+    UPPER_LIP_INSIDE,
+)
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 from caricli.template.feature_curves import named_curves
 
@@ -200,6 +213,19 @@ def test_a_curve_in_two_strokes_is_one(sketch, handles, model):
     others = [stroke for stroke in sketch.strokes if stroke.curve != "silhouette"]
     named = name_strokes(Sketch((*others, *halves)), handles, model)
     assert curves_of(named)[-2:] == ["silhouette", "silhouette"]
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_line_between_nostrils_is_the_nose_where_no_wings_are_drawn(seed):
+    """As landmarks have it, of unusual people; beside the wings it would be the tip."""
+    model = load_model(kind=DEFAULT_LATENT)
+    handles = LineHandles(named_curves(model.template.annotation))
+    person = model.decode(model.prior.colour(2.0 * np.random.default_rng(seed).normal(size=len(model.prior.mean))))
+    points = canvas_camera(person, handles.curves).project(person[model.template.annotation.landmarks])
+    parts = [NOSTRILS, BRIDGE, JAW, BROW_RIGHT, BROW_LEFT, *UPPER_LID.values(), *LOWER_LID.values()]
+    parts += [UPPER_LIP, LOWER_LIP, UPPER_LIP_INSIDE, LOWER_LIP_INSIDE]
+    drawn = Sketch(tuple(Stroke(resample(points[[*part]], 48)) for part in parts))
+    assert curves_of(name_strokes(drawn, handles, model))[0] == "nose"
 
 
 def test_what_lies_elsewhere_draws_nothing(sketch, handles, model):

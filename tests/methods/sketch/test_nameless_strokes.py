@@ -11,7 +11,7 @@ LINE = np.column_stack([np.linspace(20, 220, 21), np.full(21, 80.0)])
 SKETCH = Sketch((Stroke(LINE), Stroke(LINE + [0, 60])))
 
 
-def read(sketch):
+def read(sketch, whole):
     """The first stroke in two pieces."""
     first, second = sketch.strokes
     halves = (first.moved_to(LINE[:11]), first.moved_to(LINE[10:]))
@@ -42,13 +42,29 @@ def test_what_is_unlikely_surprises():
     assert (NamelessStrokes.of(SKETCH).surprise([("nose",)]) == 0).all()
 
 
+def test_irises_are_marked_and_the_lines_around_them_kept_before_anything_is_read():
+    turn = np.linspace(0, 2 * np.pi, 60)
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    eyes = [Stroke(circle * size + [x, 100]) for size in (20, 5) for x in (70, 180)]
+    asked = []
+
+    def keep(sketch, whole):
+        asked.append(([str(stroke.kind) for stroke in sketch.strokes], list(whole)))
+        return StrokesRead(sketch, np.zeros((4, 1)), ("nose",))
+
+    nameless = NamelessStrokes.of(Sketch(tuple(eyes)), keep)
+    assert asked == [(["unknown", "unknown", "wrinkle", "wrinkle"], [0, 1])]
+    assert nameless.numbers == [0, 1] and nameless.eyes.all()
+
+
 def test_without_a_network_nothing_is_cut():
     nameless = NamelessStrokes.of(SKETCH)
-    assert nameless.sketch.strokes[0].points is LINE and nameless.told is SKETCH
+    assert nameless.sketch.strokes[0].points is LINE and nameless.read is None
+    assert [stroke.curve for stroke in nameless.told.strokes] == [None, None]
 
 
 def test_pieces_of_one_name_are_one_stroke_again():
-    pieces = read(SKETCH).sketch
+    pieces = read(SKETCH, ()).sketch
     named = pieces.with_strokes(replace(stroke, curve="nose") for stroke in pieces.strokes)
     first, second = rejoined(named, SKETCH).strokes
     np.testing.assert_array_equal(first.points, LINE)
