@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from caricli.geometry.lines.cut_line import cut_line
+from caricli.methods.sketch.settings import MOUTH
 from caricli.methods.sketch.stroke_candidates import LOOPS, is_ring
 from caricli.methods.sketch.stroke_runs import stroke_runs
 from caricli.methods.sketch.strokes_read import StrokesRead
 from caricli.models.strokes.model import StrokeModel
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
-from caricli.template.feature_curves import SILHOUETTE
 
 _LEAST = 1e-3
 """Chance of a curve at a place, at least: a place alone rules out none."""
@@ -25,7 +25,7 @@ def read_strokes(sketch: Sketch, whole: Collection[int], network: StrokeModel) -
 
     Strokes change at the corners of an eye that is drawn in one, or where lines of several curves run into each other
     in a picture: along a stroke the likeliest curves of its places one after the other, of which every change has a
-    price (Viterbi). Closed ones are cut only into both curves of a loop, or where an outline is one of several. Each
+    price (Viterbi). Closed ones are cut only where they draw several curves, and lips only into both of a loop. Each
     stroke is read by itself, so that several may have one name. Strokes that have names keep them, and no other gets
     one of these; kinds stay, and wrinkles stay what they are.
 
@@ -68,6 +68,7 @@ def _pieces(
 
 
 def _in_pieces(curves: Sequence[str | None]) -> bool:
-    """Whether people draw such curves in one closed stroke."""
+    """Whether a closed stroke draws such curves one after the other: several, of lips alone two that form a loop."""
     drawn = {curve for curve in curves if curve is not None}
-    return any(drawn.issuperset(loop) for loop in LOOPS) or (SILHOUETTE in drawn and len(drawn) > 1)
+    lips = all(curve.startswith(MOUTH) for curve in drawn)
+    return any(drawn.issuperset(loop) for loop in LOOPS) if lips else len(drawn) > 1
