@@ -144,7 +144,9 @@ class _Naming:
         self.numbers = nameless.numbers
         strokes = nameless.strokes
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
-        self.costs.whole[:] += settings.unlikely * nameless.surprise([each.names for each in self.candidates])
+        unlikely = settings.unlikely * nameless.surprise([each.names for each in self.candidates])
+        self.costs.whole[:] += unlikely
+        self.costs.part[:] += unlikely
         names = [each.names[0] for each in self.candidates]
         unlikely = np.outer(mirrored_strokes(strokes), [name.startswith(MIDDLE) for name in names])
         self.costs.whole[unlikely] = np.inf
