@@ -129,6 +129,10 @@ def test_a_checkpoint_rebuilds_it(model):
         ({"curves": [3]}, "names of curves"),
         ({"curves": ["nose", "nose", "brow_left"]}, "every curve once"),
         ({"network": {"widths": [8]}}, "expected a network of"),
+        (
+            {"network": {"widths": [4096] * 4, "blocks": [9] * 4, "patch": 5, "told": 8}},
+            "expected the weights of such a network",
+        ),
     ],
 )
 def test_another_file_is_refused(model, change, message):

@@ -48,7 +48,8 @@ _SURELY = 0.9
 _PIECES = 4
 """Strokes that continue a nose before others have found their curves, at most."""
 _ALONG = 0.04
-"""Share of a face's diagonal: as near such a stroke lies to the nose. A side of it with its wing does not."""
+"""Share of a face's diagonal: as near such a stroke lies to the nose, nearer where a network finds it unlikely. A side
+of it with its wing does not."""
 _TRIALS = 8
 """Strokes of which the best is sought, at most."""
 
@@ -144,9 +145,9 @@ class _Naming:
         self.numbers = nameless.numbers
         strokes = nameless.strokes
         self.costs = stroke_costs(strokes, self.candidates, unit, settings)
-        unlikely = settings.unlikely * nameless.surprise([each.names for each in self.candidates])
-        self.costs.whole[:] += unlikely
-        self.costs.part[:] += unlikely
+        surprise = settings.unlikely * nameless.surprise([each.names for each in self.candidates])
+        self.costs.whole[:] += surprise
+        self.costs.part[:] += surprise
         names = [each.names[0] for each in self.candidates]
         unlikely = np.outer(mirrored_strokes(strokes), [name.startswith(MIDDLE) for name in names])
         self.costs.whole[unlikely] = np.inf

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from caricli.models.checks import check_schema, network_size, whole_number, wind
 from caricli.models.coarse.config import STEP, CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import load_weights
+from caricli.models.network_weights import load_network
 from caricli.structures.landmarks import SCHEMES
 from caricli.structures.seen_people import SeenPeople
 
@@ -100,6 +101,5 @@ def coarse_from_checkpoint(
         if not isinstance(basis, str):
             raise InputError(f"expected the morphable model that it belongs to, found {shown(basis, 60)!r}")
         own = network_size(metadata.get("network"), CoarseSize)
-        network = CoarseNetwork(own, LANDMARKS, outputs, torch.Generator())
-        load_weights(network, tensors)
+        network = load_network(partial(CoarseNetwork, own, LANDMARKS, outputs, torch.Generator()), tensors)
         return CoarseModel(network, size, basis, metadata.get("recipe"))

@@ -5,6 +5,7 @@ knows it; faces are found on a coarse grid, each at the cell of its centre (Zhou
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import torch
@@ -15,7 +16,7 @@ from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.config import HALF, DetectorSize
 from caricli.models.detector.model import LANDMARKS, Detector
 from caricli.models.detector.weights import DetectorWeights
-from caricli.models.network_weights import load_weights, network_weights
+from caricli.models.network_weights import load_network, network_weights
 from caricli.models.residual import Residual, start_convolutions, twice, unit
 from caricli.structures.parsing import Region
 
@@ -139,8 +140,8 @@ def detector_of(
 
 def network_of(detector: Detector) -> DetectorNetwork:
     """The network whose weights a Detector uses, which learns no more."""
-    network = DetectorNetwork(detector.weights.size, LANDMARKS, len(Region), None)
-    load_weights(network, detector.weights.arrays)
+    build = partial(DetectorNetwork, detector.weights.size, LANDMARKS, len(Region), None)
+    network = load_network(build, detector.weights.arrays)
     return network.eval().requires_grad_(False)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from caricli.models.checks import check_schema, whole_number, window_side
 from caricli.models.gesture.config import POOLED
 from caricli.models.gesture.networks import GestureNetwork
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import load_weights
+from caricli.models.network_weights import load_network
 from caricli.render.pixels.draw_stroke import draw_stroke
 from caricli.structures.gesture import GESTURES
 
@@ -98,6 +99,5 @@ def gesture_from_checkpoint(
             raise InputError(f"expected the gestures of this version, found {shown(metadata.get('gestures'), 60)!r}")
         stride = whole_number(metadata.get("stride"), _STRIDES, "stride")
         size = window_side(metadata.get("size"), _SIZES, POOLED * stride)
-        network = GestureNetwork(size, stride, len(GESTURES), torch.Generator())
-        load_weights(network, tensors)
+        network = load_network(partial(GestureNetwork, size, stride, len(GESTURES), torch.Generator()), tensors)
         return GestureModel(network, metadata.get("recipe"))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.models.checks import check_schema, curve_names, network_size, whole_number, window_side
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import load_weights
+from caricli.models.network_weights import load_network
 from caricli.models.sketch.config import STEP, PublishedSize, SketchSize
 from caricli.models.sketch.networks import SketchNetwork
 from caricli.models.sketch.published import PublishedNetwork
@@ -156,8 +157,7 @@ def sketch_from_checkpoint(
         basis = metadata.get("basis")
         if not isinstance(basis, str):
             raise InputError(f"expected the shape model that it belongs to, found {shown(basis, 60)!r}")
-        network = _network(metadata.get("network"), size, dimension, len(curves))
-        load_weights(network, tensors)
+        network = load_network(partial(_network, metadata.get("network"), size, dimension, len(curves)), tensors)
         return SketchModel(network, size, curves, basis, metadata.get("recipe"))
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import torch
 from caricli.errors import InputError, naming
 from caricli.models.checks import check_schema, curve_names, network_size, window_side
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import load_weights
+from caricli.models.network_weights import load_network
 from caricli.models.sketch.model import other_side
 from caricli.models.sketch.window import Window
 from caricli.models.strokes.config import STEP, StrokeSize
@@ -95,6 +96,5 @@ def strokes_from_checkpoint(
         window = window_side(metadata.get("size"), _SIDES, STEP)
         curves = curve_names(metadata.get("curves"))
         size = network_size(metadata.get("network"), StrokeSize)
-        network = StrokeNetwork(size, 1 + len(curves), torch.Generator())
-        load_weights(network, tensors)
+        network = load_network(partial(StrokeNetwork, size, 1 + len(curves), torch.Generator()), tensors)
         return StrokeModel(network, window, curves, metadata.get("recipe"))

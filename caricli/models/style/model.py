@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from torch.nn import functional
 from caricli.errors import InputError, naming, shown
 from caricli.models.checks import check_schema, whole_number
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import load_weights
+from caricli.models.network_weights import load_network
 from caricli.models.style.config import STEP
 from caricli.models.style.networks import Statistics, StyleNetwork, renormalised, statistics
 
@@ -85,8 +86,8 @@ def style_from_checkpoint(tensors: Mapping[str, np.ndarray], metadata: Mapping[s
         media = metadata.get("media")
         if not isinstance(media, list) or not all(isinstance(name, str) for name in media):
             raise InputError(f"expected the names of media, found {shown(media, 60)!r}")
-        network = StyleNetwork(width, whole_number(len(media), _MEDIA, "number of media"), torch.Generator())
-        load_weights(network, tensors)
+        count = whole_number(len(media), _MEDIA, "number of media")
+        network = load_network(partial(StyleNetwork, width, count, torch.Generator()), tensors)
         return StyleModel(network, tuple(media), metadata.get("recipe"))
 
 

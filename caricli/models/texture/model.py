@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import torch
 from caricli.errors import InputError, naming, shown
 from caricli.models.checks import check_schema, network_size, window_side
 from caricli.models.network_model import NetworkModel
-from caricli.models.network_weights import load_weights
+from caricli.models.network_weights import load_network
 from caricli.models.texture.config import STEP, TextureSize
 from caricli.models.texture.networks import Change, TextureNetwork
 from caricli.structures.arkit import ARKIT_NAMES
@@ -79,8 +80,8 @@ def texture_from_checkpoint(
         if not isinstance(topology_id, str) or len(topology_id) != _TOPOLOGY:
             raise InputError(f"expected the id of a topology, found {shown(topology_id, 60)!r}")
         size = window_side(metadata.get("size"), _SIDES, STEP)
-        network = TextureNetwork(network_size(metadata.get("network"), TextureSize), torch.Generator())
-        load_weights(network, tensors)
+        own = network_size(metadata.get("network"), TextureSize)
+        network = load_network(partial(TextureNetwork, own, torch.Generator()), tensors)
         return TextureModel(network, size, topology_id, metadata.get("recipe"))
 
 
