@@ -68,12 +68,12 @@ def on_paper(sketch):
 def judged(sketch, name):
     """Shares of the strokes of a sketch that are named rightly and wrongly. name: from a Sketch without to one with."""
     named = name(nameless(sketch)).strokes
-    pieces = {row.tobytes(): stroke for stroke in named for row in stroke.points[1:-1]}
+    # A closed stroke that passes for two curves is drawn anew.
+    pieces = {row.tobytes(): stroke.curve for stroke in named for row in stroke.points[1:-1]}
     shares = []
     for stroke in sketch.strokes:
         if stroke.curve:
-            inner = [pieces.get(row.tobytes()) for row in stroke.points[1:-1]]
-            told = [piece.curve for piece in inner if piece is not None]
+            told = [pieces.get(row.tobytes(), "another") for row in stroke.points[1:-1]]
             right = [curve == stroke.curve for curve in told]
             wrong = [curve not in (None, stroke.curve) for curve in told]
             shares.append((np.mean(right), np.mean(wrong)))

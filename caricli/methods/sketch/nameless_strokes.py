@@ -73,9 +73,9 @@ def rejoined(named: Sketch, sketch: Sketch) -> Sketch:
     """A named sketch whose pieces are in one again where those that follow each other draw the same. sketch: before it
     was cut."""
     whole = {stroke.points.tobytes() for stroke in sketch.strokes}
-    strokes: list[Stroke] = []
-    for stroke in named.strokes:
-        last = strokes[-1] if strokes else stroke
+    strokes = list(named.strokes[:1])
+    for stroke in named.strokes[1:]:
+        last = strokes[-1]
         cut = not whole.intersection((last.points.tobytes(), stroke.points.tobytes()))
         if cut and last.curve == stroke.curve and last.points[-1].tobytes() == stroke.points[0].tobytes():
             strokes[-1] = last.moved_to(np.concatenate([last.points, stroke.points[1:]]))

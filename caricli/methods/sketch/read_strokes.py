@@ -33,8 +33,8 @@ def read_strokes(sketch: Sketch, whole: Collection[int], network: StrokeModel) -
     names may be none of a head's. Raises InputError where nothing is drawn, or the network tells no chances.
     """
     reading = network.read(sketch)
-    taken = [stroke.curve for stroke in sketch.strokes]
-    chances = np.where(np.isin(reading.curves, [name for name in taken if name]), 0.0, reading.chances)
+    taken = {stroke.curve for stroke in sketch.strokes}
+    chances = np.where([name in taken for name in reading.curves], 0.0, reading.chances)
     logs = np.log(np.maximum(np.hstack([1 - chances.sum(1, keepdims=True), chances]), _LEAST))
     names = (None, *reading.curves)
     strokes: list[Stroke] = []
@@ -57,18 +57,19 @@ def _pieces(
     runs = [np.arange(*run) for run in stroke_runs(logs, _CHANGE)]
     curves = [names[int(logs[run].sum(0).argmax())] for run in runs]
     ring = is_ring(stroke)
-    if len(runs) == 1 or (ring and not _in_pieces(curves)):
+    if len(runs) == 1 or (ring and not _follow_each_other(curves)):
         return [(replace(stroke, curve=names[int(logs.sum(0).argmax())]), np.arange(len(logs)))]
     lines = cut_line(stroke.points, [along[run[0] - 1 : run[0] + 1].mean() for run in runs[1:]])
     if ring and curves[0] == curves[-1]:
         lines[0] = np.concatenate([lines.pop(), lines[0]])
         runs[0] = np.concatenate([runs.pop(), runs[0]])
-    pieces = [replace(stroke.moved_to(line), curve=curve) for line, curve in zip(lines, curves, strict=False)]
+        curves.pop()
+    pieces = [replace(stroke.moved_to(line), curve=curve) for line, curve in zip(lines, curves, strict=True)]
     return list(zip(pieces, runs, strict=True))
 
 
-def _in_pieces(curves: Sequence[str | None]) -> bool:
-    """Whether a closed stroke draws such curves one after the other: several, of lips alone two that form a loop."""
+def _follow_each_other(curves: Sequence[str | None]) -> bool:
+    """Whether people draw such curves in one closed stroke: several, of lips alone two that form a loop."""
     drawn = {curve for curve in curves if curve is not None}
     lips = all(curve.startswith(MOUTH) for curve in drawn)
     return any(drawn.issuperset(loop) for loop in LOOPS) if lips else len(drawn) > 1

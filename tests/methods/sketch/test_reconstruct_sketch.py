@@ -162,7 +162,7 @@ def own():
 
 def test_sides_of_a_nose_leave_its_bridge_in_the_middle(own):
     fit = own.reconstruct(Sketch(tuple(plain_face()), (512, 512)))
-    assert fit.errors["all"] < 0.1 and fit.flipped < 1e-3
+    assert not fit.left and fit.errors["all"] < 0.1 and fit.flipped < 1e-3
     # Of its sides the wings are read as parts of the nose.
     assert [stroke.curve for stroke in fit.sketch.strokes][9:] == [
         None, "nose", "nose", None, "nose", "mouth_upper", "mouth_inner_upper", "mouth_lower",
