@@ -2,6 +2,7 @@ import os
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
 from caricli.errors import NumericsError
 from caricli.io import kept
@@ -41,6 +42,19 @@ def test_another_thing_is_made(other):
     kept_arrays("thing", (np.arange(3), "a"), make)
     kept_arrays("thing", other, make)
     assert make.times == 2
+
+
+def test_what_is_kept_does_not_hang_on_how_many_threads_made_it():
+    usual = [library["num_threads"] for library in threadpool_info()]
+    makers = []
+
+    def make():
+        makers.extend(library["num_threads"] for library in threadpool_info())
+        return {}
+
+    kept_arrays("thing", (), make)
+    assert makers and {*makers} == {1}
+    assert [library["num_threads"] for library in threadpool_info()] == usual
 
 
 def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
