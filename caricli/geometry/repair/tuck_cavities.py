@@ -30,7 +30,7 @@ _PULL = 1e3  # of the membrane's mean diagonal: what has to move moves as far as
 
 
 @dataclass(frozen=True, eq=False)
-class _Pocket:
+class Pocket:
     """One cavity. edges: (E, 2) of its rim. free: ids of the vertices inside. spots: (P, V) sparse, weights of these
     vertices and of the middles of its triangles. deep: (P,) bool, vertices far from the rim. laplacian: sparse, of the
     free ones."""
@@ -57,7 +57,7 @@ class Cavities:
         height = np.ptp(vertices[:, 1])
         self.touch = TOUCH * height
         self.margin = MARGIN * height
-        self.pockets: list[_Pocket] = []
+        self.pockets: list[Pocket] = []
         inside = np.zeros(len(faces), dtype=bool)
         for region in regions:
             member = np.zeros(len(vertices), dtype=bool)
@@ -79,16 +79,18 @@ class Cavities:
         """Vertices (V, 3) with all pockets inside."""
         return self._pulled(vertices, self.touch, (self.margin, _JUST * self.touch))
 
-    def withdraw(self, vertices: np.ndarray) -> np.ndarray:
+    def withdraw(self, vertices: np.ndarray, asked: np.ndarray | None = None) -> np.ndarray:
         """Vertices (V, 3) with what came through the skin behind it again, and all else of the pockets as near to it as
-        it was, but for what goes along."""
-        return self._pulled(vertices, 0.0, (0.0, self.touch))
+        it was, but for what goes along. asked: (P,) bool, spots of all pockets that may have come out, or None."""
+        return self._pulled(vertices, 0.0, (0.0, self.touch), asked)
 
-    def _pulled(self, vertices: np.ndarray, allowed: float, required: tuple[float, float]) -> np.ndarray:
+    def _pulled(
+        self, vertices: np.ndarray, allowed: float, required: tuple[float, float], asked: np.ndarray | None = None
+    ) -> np.ndarray:
         """Vertices (V, 3) whose pockets with vertices nearer to the skin than allowed are farther than required: far
-        from the rim, and where they came out."""
+        from the rim, and where they came out. asked: (P,) bool, or None, of the spots that are looked at first."""
         vertices = np.array(vertices)
-        moves = self._moves(vertices, self.pockets, (allowed, required[1]))
+        moves = self._moves(vertices, self.pockets, (allowed, required[1]), asked)
         pockets = [pocket for pocket, move in zip(self.pockets, moves, strict=True) if move.any()]
         for _ in range(ROUNDS):
             if not pockets:
@@ -102,17 +104,25 @@ class Cavities:
         return vertices
 
     def _moves(
-        self, vertices: np.ndarray, pockets: Sequence[_Pocket], required: tuple[float, float]
+        self,
+        vertices: np.ndarray,
+        pockets: Sequence[Pocket],
+        required: tuple[float, float],
+        asked: np.ndarray | None = None,
     ) -> list[np.ndarray]:
-        """For each pocket (P, 3): how far its spots must go to be inside the skin by the required distances."""
+        """For each pocket (P, 3): how far its spots must go to be inside the skin by the required distances. asked:
+        (P,) bool, or None, of the spots of all pockets that are looked at."""
         if not pockets:
             return []
-        closed, surface = self._closed(vertices)
+        closed, surface = self.closed(vertices)
         points = np.concatenate([pocket.spots @ vertices for pocket in pockets])
         deep = np.concatenate([pocket.deep for pocket in pockets])
         moves = np.zeros_like(points)
-        asked = np.arange(len(points)) if required[0] else np.flatnonzero(self._may_be_out(closed, points))
-        moves[asked] = self._inwards(points[asked], deep[asked], (closed, surface), required)
+        looked = np.arange(len(points)) if asked is None else np.flatnonzero(asked)
+        if not required[0]:
+            looked = looked[self._may_be_out(closed, points[looked])]
+        if len(looked):
+            moves[looked] = self._inwards(points[looked], deep[looked], (closed, surface), required)
         return np.split(moves, np.cumsum([len(pocket.deep) for pocket in pockets])[:-1])
 
     def _may_be_out(self, vertices: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -142,8 +152,8 @@ class Cavities:
         signs = np.where(outside, -1.0, 1.0)
         return (signs * missing / np.maximum(distance, 1e-9))[:, None] * away
 
-    def _closed(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices with the middles of the openings appended, and the skin's faces with the fans."""
+    def closed(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Vertices (V, 3) with the middles of the openings appended, and the skin's faces with the fans."""
         closed = [vertices]
         fans = []
         for number, pocket in enumerate(self.pockets):
@@ -154,7 +164,7 @@ class Cavities:
         return np.concatenate(closed), np.concatenate([self.skin, *fans])
 
 
-def _pocket(vertices: np.ndarray, faces: np.ndarray) -> _Pocket:
+def _pocket(vertices: np.ndarray, faces: np.ndarray) -> Pocket:
     """The pocket of faces (F, 3), open as they are, in a template's vertices (V, 3)."""
     edges = igl.boundary_facets(faces)[0]
     rim = np.unique(edges)
@@ -165,7 +175,7 @@ def _pocket(vertices: np.ndarray, faces: np.ndarray) -> _Pocket:
     spots = sp.vstack([_means(ids[~np.isin(ids, rim).all(axis=1)], len(vertices)) for ids in corners], format="csr")
     deep = np.zeros(spots.shape[0], dtype=bool)
     deep[: len(free)] = ~near[free]
-    return _Pocket(edges, free, spots, deep, laplacian)
+    return Pocket(edges, free, spots, deep, laplacian)
 
 
 def _around(edges: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:

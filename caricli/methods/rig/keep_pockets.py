@@ -4,6 +4,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from caricli.geometry.alignment.similarity import similarity
+from caricli.geometry.repair.resting_pockets import RestingPockets
 from caricli.methods.rig.expression_templates import ExpressionTemplates
 from caricli.structures.arkit import start_delta
 from caricli.template.template import Template
@@ -22,9 +23,9 @@ def keep_pockets(templates: ExpressionTemplates, vertices: np.ndarray, deltas: n
     if not isinstance(templates.mesh, Template):
         return deltas
     scale, *_ = similarity(templates.neutral, vertices)
-    cavities = templates.mesh.cavities
+    pockets = RestingPockets(templates.mesh.cavities, vertices / scale)
     kept = np.array(deltas)
     for k in templates.order:
         shape = (vertices + start_delta(templates.names, kept, k) + kept[k]) / scale
-        kept[k] += scale * (cavities.withdraw(shape) - shape)
+        kept[k] += scale * (pockets.withdraw(shape) - shape)
     return kept

@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+
+from caricli.geometry.repair.resting_pockets import RestingPockets
+from caricli.geometry.repair.tuck_cavities import Cavities
+from caricli.methods.rig.head_expressions import open_head_expressions
+
+
+@pytest.fixture(scope="module")
+def templates():
+    return open_head_expressions()
+
+
+def outgrown(templates, k, weight):
+    """The head with so much of an expression that pockets may come out, and its nose pressed in."""
+    vertices = templates.neutral + weight * templates.deltas[k]
+    nose = vertices[templates.mesh.annotation.landmarks[33]]
+    skin = np.setdiff1d(np.arange(len(vertices)), templates.mesh.region("inner_mouth"))
+    vertices[skin, 2] -= 0.02 * np.exp(-(((vertices[skin] - nose) / 0.012) ** 2).sum(1))
+    return vertices
+
+
+@pytest.mark.parametrize("pressed", [False, True])
+def test_what_is_not_looked_at_has_not_come_out(templates, pressed):
+    cavities = templates.mesh.cavities
+    rest = outgrown(templates, 0, 0.0) if pressed else templates.neutral
+    pockets = RestingPockets(cavities, rest)
+    came_out = 0
+    for k in map(templates.names.index, ("eyeBlinkLeft", "mouthSmileRight", "mouthPucker")):
+        for vertices in (rest + 2 * templates.deltas[k], outgrown(templates, k, 1.5)):
+            whole = cavities.withdraw(vertices)
+            came_out += not np.array_equal(whole, vertices)
+            np.testing.assert_array_equal(pockets.withdraw(vertices), whole)
+    assert came_out >= 3
+
+
+def test_most_of_what_keeps_still_is_not_looked_at(templates, monkeypatch):
+    cavities = templates.mesh.cavities
+    pockets = RestingPockets(cavities, templates.neutral)
+    asked = []
+    monkeypatch.setattr(cavities, "withdraw", lambda vertices, spots: asked.append(spots.mean()) or vertices)
+    for delta in templates.deltas:
+        pockets.withdraw(templates.neutral + delta)
+    assert np.mean(asked) < 0.25
+
+
+def test_without_pockets_nothing_moves(templates):
+    without = Cavities(templates.neutral, templates.mesh.faces, [])
+    moved = 1.5 * templates.neutral
+    assert np.array_equal(RestingPockets(without, templates.neutral).withdraw(moved), moved)
