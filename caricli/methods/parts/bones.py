@@ -230,6 +230,8 @@ class Bone:
                 more[near] += push / amount
                 pressed |= push.any(1)
             near = near[pressed]
+            if not len(near):
+                break
         return more
 
     def _way_out(self, face: Posed, shape: np.ndarray, move: np.ndarray, height: float) -> tuple[np.ndarray, float]:

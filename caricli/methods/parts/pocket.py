@@ -1,5 +1,7 @@
 """The inside of a mouth."""
 
+from functools import cached_property
+
 import numpy as np
 from scipy.spatial import KDTree
 
@@ -27,6 +29,8 @@ class Pocket:
         self.rimmed = _bag(template, [wall, lips[near]])
         self.lips = _bag(template, [wall, lips])
         self.to_rim = np.searchsorted(self.lips.ids, self.rimmed.ids)
+        corners = self.rimmed.ids[self.rimmed.faces]
+        self.rims = np.unique(self.rimmed.faces[~np.isin(corners, self.ids).all(1)])
         self.inside = np.searchsorted(self.lips.ids, self.ids)
         self.height = template.height
         self.spread = spread(vertices[self.ids])
@@ -67,6 +71,7 @@ class Mouth:
 
     def __init__(self, pocket: Pocket, skin: np.ndarray) -> None:
         """skin: (W, 3) metres, of the wall and the lips."""
+        self.pocket = pocket
         self.inner = Flesh(pocket.inner, skin[pocket.inside])
         self.lips = Flesh(pocket.lips, skin)
         self.rimmed = Flesh(pocket.rimmed, skin[pocket.to_rim])
@@ -97,8 +102,18 @@ class Mouth:
         pushes = np.maximum(margin - distance, 0)[:, None] * ways
         # What was pushed so far stands there but for rounding, which must not tell what becomes of it.
         clear = distance > margin + ROUNDED
-        pushes[clear] = self._out_of_rims(points[clear])
+        low, high = self._rims
+        aside = np.linalg.norm(np.maximum(np.maximum(low - points, points - high), 0.0), axis=1)
+        # Before the wall itself is what has that nearer than all rims.
+        asked = clear & ((distance <= 0) | (aside <= distance))
+        pushes[asked] = self._out_of_rims(points[asked])
         return pushes
+
+    @cached_property
+    def _rims(self) -> tuple[np.ndarray, np.ndarray]:
+        """The lowest (3,) and highest (3,) coordinates of the rims of the lips, metres."""
+        rims = self.rimmed.skin[self.pocket.rims]
+        return rims.min(0), rims.max(0)
 
     def _out_of_rims(self, points: np.ndarray) -> np.ndarray:
         """(N, 3) the way out of lips' rims, zero for points (N, 3) that are in none."""
