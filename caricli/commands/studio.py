@@ -24,7 +24,7 @@ from caricli.errors import shown
     "--host",
     default="127.0.0.1",
     metavar="NAME",
-    help="Serve others, too, under this name or address; the page then asks for a token, which is in the address.",
+    help="Serve others, too, under this name or address, who need the token in the address that is printed.",
 )
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
 @click.option("--replay", type=PATH, metavar="SESSION.json", help="Do a session again without a page, for --out.")
@@ -34,7 +34,8 @@ from caricli.errors import shown
 def command(start, port, host, no_browser, replay, out, overwrite):
     """Draw a face, and change it by hand, on a page in your browser.
 
-    The page comes from this machine alone, and nobody else sees it unless --host says so. It needs caricli[studio].
+    The page comes from this machine alone, and nobody sees it but who knows the address that is printed, which ends in
+    a token of yours. It needs caricli[studio].
     What it saves as a session makes the same bytes with --replay; the file that the session began with is looked for
     beside it where it is not given. Of a FOLDER of pictures the landmarks are placed, one picture after the other, from
     the first that has no landmark file beside it.

@@ -11,7 +11,7 @@ def distinct_names(paths: Sequence[Path], between: str = "/") -> list[str]:
 
     Suffixes do not count: of one thing in two formats the names are the same, as those of a path that is given twice.
     """
-    stems = [path.stem for path in paths]
+    stems = [path.stem if path.stem.strip(".") else path.name for path in paths]
     if len(set(stems)) == len(stems):
         return stems
     # Without its dots, which would be names.

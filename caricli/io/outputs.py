@@ -16,7 +16,7 @@ from caricli.errors import CaricliError, OutputError, shown
 
 _PREFIX = ".caricli-"
 _REPLACED = ".replaced-"
-_STAGING_FOLDER = re.compile(rf"{re.escape(_PREFIX)}[^/\s]*/")
+_STAGING_FOLDER = re.compile(rf"{re.escape(_PREFIX)}[a-z0-9_]{{8}}")  # as tempfile names it; users have others
 _WRITE_ERRORS = {
     errno.ENOSPC,
     errno.EDQUOT,
@@ -64,13 +64,7 @@ def staged(
     """
     required = len(paths)
     paths = (*paths, *optional)
-    sources = _Inputs.of(inputs)
-    finals: dict[Path, str | Path] = {}
-    for path in paths:
-        final = _checked_file(path, overwrite, sources, paths[0])
-        if final in finals:
-            raise OutputError(f"{shown(path)}: expected different outputs, found the same one twice")
-        finals[final] = path
+    finals = _finals(paths, overwrite, inputs)
     with _write_errors(paths), _staging({final.parent for final in finals}) as folders:
         temporaries = tuple(folders[final.parent] / final.name for final in finals)
         yield temporaries[:required]
@@ -112,9 +106,8 @@ def check_outputs(*paths: str | Path, overwrite: bool = False, inputs: Iterable[
 
     Leaves nothing behind. Raises OutputError.
     """
-    sources = _Inputs.of(inputs)
-    for path in paths:
-        check_folder(_checked_file(path, overwrite, sources).parent)
+    for final in _finals(paths, overwrite, inputs):
+        check_folder(final.parent)
 
 
 def check_output_folder(
@@ -176,7 +169,7 @@ def _reason(error: OSError) -> str:
 
 def final_name(path: str | Path) -> Path:
     """The path itself, or that of the output that a temporary path of ``staged`` becomes."""
-    return Path(*(part for part in Path(path).parts if not part.startswith(_PREFIX)))
+    return Path(*(part for part in Path(path).parts if not _STAGING_FOLDER.fullmatch(part)))
 
 
 @contextmanager
@@ -193,7 +186,7 @@ def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
     except CaricliError as error:
         if _PREFIX not in str(error):
             raise
-        raise type(error)(_STAGING_FOLDER.sub("", str(error))) from error
+        raise type(error)(re.sub(_STAGING_FOLDER.pattern + "/", "", str(error))) from error
 
 
 @dataclass(frozen=True)
@@ -255,6 +248,18 @@ def _check_item(path: str | Path, final: Path) -> None:
     writer = writers.get(final, source)
     if writer != source:
         raise OutputError(f"{shown(path)}: expected an output of its own, found what was written for {shown(writer)}")
+
+
+def _finals(paths: Sequence[str | Path], overwrite: bool, inputs: Iterable[Path | None]) -> dict[Path, str | Path]:
+    """Where outputs lead, each with its path. Raises OutputError as ``staged`` before anything is written."""
+    sources = _Inputs.of(inputs)
+    finals: dict[Path, str | Path] = {}
+    for path in paths:
+        final = _checked_file(path, overwrite, sources, paths[0])
+        if final in finals:
+            raise OutputError(f"{shown(path)}: expected different outputs, found the same one twice")
+        finals[final] = path
+    return finals
 
 
 def _is_there(final: Path) -> bool:

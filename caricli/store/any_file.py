@@ -21,7 +21,7 @@ from caricli.io.files import content_kind, read_start, text_start, without_utf16
 from caricli.io.gltf.format import SUFFIXES
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
-from caricli.io.image import read_image
+from caricli.io.image import is_image_file, read_image
 from caricli.io.meshes.mesh import ANY_MESH, is_mesh_file, read_mesh
 from caricli.io.meshes.mtl import material_pictures
 from caricli.io.meshes.obj import read_obj
@@ -163,7 +163,7 @@ def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:
 def _text_reader(start: bytes, path: Path) -> Callable[[Path], Any]:
     suffix = path.suffix.lower()
     rubbish = content_kind(start)
-    if rubbish and rubbish.endswith("image"):
+    if rubbish and is_image_file(path):
         return read_image
     if suffix in SUFFIXES:
         return _read_gltf

@@ -56,7 +56,7 @@ def picture_sources(face: Path, texture: Path | None = None) -> PictureSources:
     or the `eyes.png` beside the skin's, as of the bust `bust.png`. In an OBJ the skin is what has no name of another
     Material, and of several pictures the one on most polygons.
 
-    face: path of an OBJ or NPZ. texture: path of a picture of the skin in the place of its own, or None; it brings the
+    face: path of an OBJ or NPZ; other files name none beside them. texture: path of a picture of the skin in the place of its own, or None; it brings the
     eyes and the bust that are beside it, and a bust in the colours of another skin is left.
     """
     own = _own_sources(face)
@@ -71,7 +71,9 @@ def _own_sources(face: Path) -> PictureSources:
         names = read_picture_names(face)
         if names != PictureNames():
             return PictureSources(*(None if name is None else face.with_name(name) for name in names))
-    mesh = face if face.suffix.lower() == ".obj" else face.with_suffix(".obj")
+    if face.suffix.lower() not in (".obj", ".npz"):
+        return PictureSources()
+    mesh = face.with_suffix(".obj") if face.suffix.lower() == ".npz" else face
     named = material_pictures(mesh) if mesh.is_file() else {}
     kinds = ((PICTURED.get(material_named(name)), path) for name, path in reversed(named.items()))
     sources = PictureSources(**{kind: path for kind, path in kinds if kind is not None})

@@ -2,6 +2,7 @@
 
 import asyncio
 import io
+import socket
 import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -37,17 +38,17 @@ _QUIET: dict[str, Any] = {"show_welcome_message": False, "reconnect_timeout": 20
 
 @dataclass(frozen=True)
 class Address:
-    """Where the page is. host: name or number. port: from 0. token: text that the page asks for, or None."""
+    """Where the page is. host: name or number. port: from 0. token: text that the page asks for."""
 
-    host: str = "127.0.0.1"
-    port: int = 0
-    token: str | None = None
+    host: str
+    port: int
+    token: str
 
     @property
     def url(self) -> str:
         """What is typed into a browser."""
         host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
+        return f"http://{host}:{self.port}/?token={self.token}"
 
 
 class Studio:
@@ -120,7 +121,7 @@ def _first_that_opens(folder: MarkedFolder, tools: SessionTools) -> tuple[Path, 
     raise refused[0]
 
 
-def studio_app(studio: Studio, page: Callable, token: str | None = None) -> FastAPI:
+def studio_app(studio: Studio, page: Callable, token: str) -> FastAPI:
     """The application. page: builds the page of a tab. token: see ``Guard``."""
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     base = "/studio/{key}"
@@ -159,16 +160,15 @@ def studio_app(studio: Studio, page: Callable, token: str | None = None) -> Fast
     return app
 
 
-def serve(app: FastAPI, address: Address, started: Callable[[], None]) -> None:
-    """Serve until a signal ends it. started: called when the page can be asked for."""
+def serve(app: FastAPI, place: socket.socket, started: Callable[[], None]) -> None:
+    """Serve until a signal ends it. place: where, listening. started: called when the page can be asked for."""
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: list | None = None) -> None:
             await super().startup(sockets)
             started()
 
-    config = uvicorn.Config(app, address.host, address.port, log_level="error", timeout_graceful_shutdown=1)
-    Server(config).run()
+    Server(uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=1)).run([place])
 
 
 async def _bytes(studio: Studio, key: str, make: Callable[[Desk], bytes | None], kind: str | None = None) -> Response:

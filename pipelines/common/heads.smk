@@ -7,9 +7,10 @@ import re
 import sys
 from pathlib import Path
 
+from caricli.store.pictures import MARKS as MARK_KINDS
+from caricli.store.pictures import PICTURES as PICTURE_KINDS
+
 EXAMPLE = Path(workflow.basedir).parents[1] / "examples" / "astronaut"
-PICTURE_KINDS = (".png", ".jpg", ".jpeg", ".webp")
-MARK_KINDS = (".json", ".pts", ".txt", ".npy")
 
 
 def natural(name):
@@ -17,8 +18,11 @@ def natural(name):
     return [int(part) if k % 2 else part.lower() for k, part in enumerate(re.split(r"(\d+)", name))]
 
 
-def by_stem(folder, kinds):
-    """The files of these kinds in a folder by their stems; of one stem, the kind that is named first."""
+def by_stem(folder, kinds, alone=False):
+    """The files of these kinds in a folder by their stems; of one stem, the kind that is named first, or none other.
+
+    alone: whether two of one stem are refused.
+    """
     if not Path(folder).is_dir():
         sys.exit(f"{folder}: expected a folder, found none")
     order = {kind: number for number, kind in enumerate(kinds)}
@@ -27,13 +31,15 @@ def by_stem(folder, kinds):
     if bad := next((path for path in paths if set("{}<>") & set(str(path))), None):
         sys.exit(f"{bad}: expected a path without any of {{}}<>, found this one")
     found = {path.stem: path for path in sorted(paths, key=lambda path: -order[path.suffix.lower()])}
+    if alone and (twice := next((path for path in paths if found[path.stem] != path), None)):
+        sys.exit(f"{twice}: expected pictures whose names differ before the suffix, found {found[twice.stem].name}, too")
     return {stem: found[stem] for stem in sorted(found, key=natural)}
 
 
 if FOLDER is None:
     PICTURES, MARKS = {"astronaut": Path("pictures/astronaut.png")}, {}
 else:
-    PICTURES, MARKS = by_stem(FOLDER, PICTURE_KINDS), by_stem(FOLDER, MARK_KINDS)
+    PICTURES, MARKS = by_stem(FOLDER, PICTURE_KINDS, alone=True), by_stem(FOLDER, MARK_KINDS)
 
 
 def picture(wildcards):

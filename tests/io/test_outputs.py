@@ -306,6 +306,9 @@ def test_outputs_can_be_checked_before_the_work(tmp_path, monkeypatch):
     with pytest.raises(OutputError, match="b: expected an output, found one of the inputs"):
         check_outputs(tmp_path / "a", tmp_path / "b", overwrite=True, inputs=iter([tmp_path / "b"]))
 
+    with pytest.raises(OutputError, match="found the same one twice"):
+        check_outputs(tmp_path / "a", tmp_path / "new" / ".." / "a")
+
     def refuse(*_, **__):
         raise PermissionError(errno.EACCES, "Permission denied")
 

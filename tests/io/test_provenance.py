@@ -40,6 +40,10 @@ def test_provenance(tmp_path):
         "components": 128,
     }
     assert provenance("train pca", [path, None], seed=0, components=128) == expected
+    own = tmp_path / ".caricli-mine"
+    own.mkdir()
+    (own / "a").write_bytes(b"abc")
+    assert [*provenance("inspect", [own / "a"])["inputs"]] == [str(own / "a")]
     assert provenance("render", []) == {"command": "render", "version": __version__, "inputs": {}}
 
 

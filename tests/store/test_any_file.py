@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from PIL import Image
 
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
@@ -86,6 +87,9 @@ def test_expressions_and_pictures(tmp_path):
     assert load_any(tmp_path / "set.json")["smile"] == {"mouthSmileLeft": 0.9, "mouthSmileRight": 0.9}
     write_png(tmp_path / "photo.png", np.zeros((4, 6, 3), np.uint8))
     assert load_any(tmp_path / "photo.png").shape == (4, 6, 3)
+    for suffix in ("webp", "bmp", "tif", "gif", "jpg"):
+        Image.new("RGB", (6, 4)).save(tmp_path / f"photo.{suffix}")
+        assert load_any(tmp_path / f"photo.{suffix}").shape == (4, 6, 3)
 
 
 def test_reports(tmp_path):

@@ -91,3 +91,15 @@ def test_landmarks_of_another_picture_are_not_replaced(folder):
     with pytest.raises(OutputError, match="expected landmarks of the 64 x 64 picture .*; it is not replaced"):
         MarkedFolder.of(folder).write(folder / "a.jpg", Landmarks(POINTS, (64, 64)))
     assert np.array_equal(read_landmarks(folder / "a.json").points, others.points)
+
+
+def test_files_of_other_things_are_no_landmarks(folder):
+    a, b, c = (folder / name for name in ("a.jpg", "b.png", "c.webp"))
+    (folder / "a.txt").write_text("a photo of a man\n")
+    (folder / "b.json").write_text('{"command": "texture"}')
+    marked = MarkedFolder.of(folder)
+    assert marked.done == 0 and marked.first() == a and marked.left(c) == [a, b]
+    assert marked.write(a, Landmarks(POINTS, (64, 64))) == folder / "a.json" and marked.done == 1
+    assert (folder / "a.txt").read_text() == "a photo of a man\n"
+    with pytest.raises(OutputError, match="b.json: .*; it is not replaced"):
+        marked.write(b, Landmarks(POINTS, (64, 64)))

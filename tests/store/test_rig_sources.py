@@ -104,3 +104,12 @@ def test_a_painted_glb_keeps_its_picture(tmp_path, other):
     write_png(tmp_path / "other.png", np.full((4, 4, 3), 99, np.uint8))
     skin = load_pictures(tmp_path / "face.glb", tmp_path / "other.png" if other else None).skin
     assert skin.max() == (99 if other else 7)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".ply", ".stl"])
+def test_what_lies_beside_another_kind_of_file_is_not_its_own(tmp_path, suffix):
+    (tmp_path / "face.obj").write_text("mtllib face.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "face.mtl").write_text("newmtl skin\nmap_Kd texture.png\n")
+    write_png(tmp_path / "texture.png", np.zeros((4, 4, 3), np.uint8))
+    assert picture_sources(tmp_path / "face.obj").skin == tmp_path / "texture.png"
+    assert picture_sources(tmp_path / f"face{suffix}") == PictureSources()

@@ -1,5 +1,6 @@
 """caricli evaluate ablation: what each choice of the deformable model is worth."""
 
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -24,10 +25,13 @@ from caricli.io.strict_json import write_json
 from caricli.models.config import MAX_SEED
 
 
+_SEED = re.compile("[0-9]{1,10}")
+
+
 def _seeds(ctx, param, value):
     """Numbers between commas, each once; none where it is not given."""
     words = [] if value is None else [word.strip() for word in value.split(",")]
-    seeds = {int(word): None for word in words if word.isdecimal() and int(word) <= MAX_SEED}
+    seeds = {int(word): None for word in words if _SEED.fullmatch(word) and int(word) <= MAX_SEED}
     if len(seeds) < len(words):
         raise UsageError(f"--seeds: expected whole numbers up to {MAX_SEED}, each once, found {shown(value, 60)}")
     return tuple(seeds)

@@ -66,10 +66,10 @@ def run_batch(
                     raise
                 failures.append((item[0], error))
             report(number + 1, len(items))
-    if finish is not None:
-        finish(failures)
     for path, failure in failures:
         echo_notes(f"caricli: failed: {_named(path, failure)}")
+    if finish is not None:
+        finish(failures)
     if failures:
         echo_notes(f"caricli: {len(failures)} of {len(items)} failed")
         ctx.exit(1)

@@ -1,6 +1,5 @@
 """Serving the studio, and replaying its sessions."""
 
-import secrets
 import socket
 import webbrowser
 from collections import deque
@@ -57,12 +56,12 @@ def serve_studio(start: Path | None, host: str, port: int, browser: bool) -> Non
     if find_spec("nicegui") is None:
         raise CaricliError("the page needs NiceGUI, which is not installed: pip install 'caricli[studio]'")
     from caricli.store.session_tools import SessionTools
-    from caricli.studio.guard import LOOPBACK
+    from caricli.store.studio_token import studio_token
     from caricli.studio.page import studio_page
     from caricli.studio.server import Address, Studio, serve, studio_app
 
-    token = None if host in LOOPBACK else secrets.token_urlsafe(16)
-    address = Address(host, _free(host, port), token)
+    place = _listening(host, port)
+    address = Address(host, place.getsockname()[1], studio_token())
     tools = SessionTools()
     studio = Studio(tools, start)
 
@@ -71,17 +70,17 @@ def serve_studio(start: Path | None, host: str, port: int, browser: bool) -> Non
         if browser:
             webbrowser.open(address.url)
 
-    serve(studio_app(studio, studio_page(studio), token), address, started)
+    serve(studio_app(studio, studio_page(studio), address.token), place, started)
 
 
-def _free(host: str, port: int) -> int:
-    """The port, or a free one in the place of 0. Raises UsageError where it is taken or the host is none of ours."""
+def _listening(host: str, port: int) -> socket.socket:
+    """A socket that nobody else takes while the page is made, of a free port in the place of 0.
+
+    Raises UsageError where the port is taken or the host is none of ours.
+    """
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        with socket.socket(family, socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((host, port))
-            return probe.getsockname()[1]
+        return socket.create_server((host, port), family=family)
     except OSError as error:
         reason = error.strerror or "no such address"
         raise UsageError(f"--host {host} --port {port}: cannot be served from: {reason}") from None

@@ -12,6 +12,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.files import read_bytes, text_start
 from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
+from caricli.io.parse_xml import parse_xml
 from caricli.io.sketches.svg_brush import Brush
 from caricli.io.sketches.svg_clip import Clipper, Shape
 from caricli.io.sketches.svg_path import outline_points
@@ -21,6 +22,7 @@ from caricli.limits import MAX_COORDINATE, MAX_SKETCH_POINTS, MAX_SKETCH_SIDE, M
 from caricli.structures.sketch import CANVAS, CURVES, Sketch, Stroke, StrokeKind
 
 KIND = "an SVG of lines"
+_ADVICE = "; Illustrator leaves them out where its editing capabilities are not preserved"
 _MAX_DEPTH = 64
 _MAX_ELEMENTS = 50_000
 _LARGEST = 4096.0
@@ -72,7 +74,7 @@ def read_svg(path: str | Path) -> Sketch:
     """
     data = read_bytes(path, MAX_SVG_BYTES, KIND)
     with naming(path):
-        root = _parsed(data)
+        root = parse_xml(data, KIND, _ADVICE)
         if _name(root) != "svg":
             raise InputError(f"expected {KIND}, found <{shown(_name(root), 40)}>")
         return _Reader(root).sketch()
@@ -108,23 +110,6 @@ def _polyline(stroke: Stroke) -> str:
         words.append(f'data-pressure="{" ".join(f"{x:.4g}" for x in stroke.pressure)}"')
     places = " ".join(f"{round(x, 4):.12g},{round(y, 4):.12g}" for x, y in stroke.points.tolist())
     return f'<polyline {" ".join(words)} points="{places}"/>'
-
-
-def _parsed(data: bytes) -> Element:
-    from xml.etree.ElementTree import ParseError
-
-    from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import fromstring
-
-    try:
-        return fromstring(data)
-    except DefusedXmlException:
-        raise InputError(
-            f"expected {KIND}, found entities or references to other files; Illustrator leaves them out where its "
-            "editing capabilities are not preserved"
-        ) from None
-    except (ParseError, ValueError, LookupError) as error:
-        raise InputError(f"expected {KIND}, found {shown(error, 80)}") from None
 
 
 def _name(element: Element) -> str:

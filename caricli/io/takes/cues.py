@@ -3,13 +3,13 @@
 import re
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import decode_text, read_bytes, text_start
 from caricli.io.parse_number import parse_number
+from caricli.io.parse_xml import parse_xml
 from caricli.io.strict_json import parse_json
 from caricli.limits import MAX_JSON_BYTES
 from caricli.structures.cues import REST, RHUBARB, VISEMES, Cues, viseme_name
@@ -90,13 +90,7 @@ def _tsv_rows(text: str) -> tuple[list[Row], float | None]:
 
 
 def _xml_rows(data: bytes) -> tuple[list[Row], float | None]:
-    # Entities could grow without bounds; Rhubarb writes none.
-    if b"<!" in data:
-        raise InputError("expected the XML of Rhubarb Lip Sync, found a document type, entities or comments")
-    try:
-        root = ElementTree.fromstring(data)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise InputError(f"expected the XML of Rhubarb Lip Sync, found {shown(error, 60)}") from None
+    root = parse_xml(data, "the XML of Rhubarb Lip Sync")
     if root.tag != "rhubarbResult":
         raise InputError(f"expected <rhubarbResult>, found <{shown(root.tag, 40)}>")
     rows: list[Row] = []

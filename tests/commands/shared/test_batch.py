@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from caricli.commands.shared.batch import named_jobs, run_batch
-from caricli.errors import InputError
+from caricli.errors import InputError, OutputError
 from caricli.io.outputs import staged
 
 
@@ -91,3 +91,20 @@ def test_names_that_are_not_utf8_are_told_and_end_nothing():
     assert result.exit_code == 1 and isinstance(result.exception, SystemExit)
     assert result.stdout.startswith("a\\udcff.png: one, ") and "c.png: two" in result.stdout
     assert "failed: b\\udcff.png: expected a face\n" in result.stderr
+
+
+def test_what_failed_is_told_where_the_end_fails_too():
+    @click.command()
+    @click.pass_context
+    def command(ctx):
+        def work(path):
+            raise InputError("expected a face")
+
+        def finish(failures):
+            raise OutputError("index.html: cannot be written")
+
+        run_batch(ctx, [(Path("a.png"),), (Path("b.png"),)], work, "pictures", finish)
+
+    result = CliRunner().invoke(command)
+    assert isinstance(result.exception, OutputError)
+    assert "failed: a.png: expected a face\n" in result.stderr and "failed: b.png" in result.stderr

@@ -69,13 +69,22 @@ def test_where_no_cue_is_the_mouth_rests(tmp_path):
         ("\n\n0.00\tX\n1e99\tA\n", "line 4: expected seconds"),
         ("<rhubarbResult><mouthCues>", "expected the XML of Rhubarb"),
         ("<other/>", "expected <rhubarbResult>, found <other>"),
-        ('<!DOCTYPE a [<!ENTITY b "b">]><rhubarbResult>&b;</rhubarbResult>', "found a document type, entities"),
+        ('<!DOCTYPE a [<!ENTITY b "b">]><rhubarbResult>&b;</rhubarbResult>', "found entities or references"),
     ],
 )
 def test_what_is_no_speech_is_refused(tmp_path, text, said):
     with pytest.raises(InputError, match="a.cues: ") as caught:
         read_cues(written(tmp_path / "a.cues", text))
     assert said in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_entities_do_not_grow_in_another_encoding(tmp_path):
+    grown = '<!DOCTYPE a [<!ENTITY b "bbbb"><!ENTITY c "&b;&b;">]>'
+    text = f"{grown}<rhubarbResult><mouthCues><mouthCue start='0' end='1'>&c;</mouthCue></mouthCues></rhubarbResult>"
+    for encoding in ("utf-16-le", "utf-16-be", "utf-16"):
+        (tmp_path / "a.cues").write_bytes(text.encode(encoding))
+        with pytest.raises(InputError, match="found "):
+            read_cues(tmp_path / "a.cues")
 
 
 @pytest.mark.parametrize("start", [b"{}", b"timecode,", b"0.1 0.2\n", b"<html>", b"\x00", b"v 1 2 3"])
