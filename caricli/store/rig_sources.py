@@ -56,8 +56,9 @@ def picture_sources(face: Path, texture: Path | None = None) -> PictureSources:
     or the `eyes.png` beside the skin's, as of the bust `bust.png`. In an OBJ the skin is what has no name of another
     Material, and of several pictures the one on most polygons.
 
-    face: path of an OBJ or NPZ; other files name none beside them. texture: path of a picture of the skin in the place of its own, or None; it brings the
-    eyes and the bust that are beside it, and a bust in the colours of another skin is left.
+    face: path of an OBJ or NPZ; other files name none beside them. texture: path of a picture of the skin in the place
+    of its own, or None; it brings the eyes and the bust that are beside it, and a bust in the colours of another skin
+    is left.
     """
     own = _own_sources(face)
     if texture is None:

@@ -24,7 +24,6 @@ from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.models.config import MAX_SEED
 
-
 _SEED = re.compile("[0-9]{1,10}")
 
 
