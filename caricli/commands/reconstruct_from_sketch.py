@@ -50,9 +50,9 @@ def command(ctx, sketches, out, out_dir, follow, coarse, network, strokes, image
     The likeliest face for the lines comes first: what a network sees, or an elastic one for lines that no usual face
     has. Then its curves are moved onto the lines, at the depth that they have, and the surface goes along. Strokes that
     do not name their curve find it, with what a second network reads in them, which also cuts those that draw several;
-    what draws none is a wrinkle. With several SKETCHes --image is a folder of pictures with the same names. In the
-    picture that is written, silhouette, features and wrinkles are red, blue and black, and the curves of the face are
-    orange.
+    what draws none is left out. With several SKETCHes --image is a folder of pictures with the same names. In the
+    picture that is written, silhouette, features, wrinkles and what is left out are red, blue, black and grey, and the
+    curves of the face are orange.
 
     \b
     Example:

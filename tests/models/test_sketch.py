@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -176,3 +177,15 @@ def test_strokes_fill_the_window_as_far_as_they_are_to(sketch):
     middles = [(values.min() + values.max()) / 2 for values in (rows, columns)]
     np.testing.assert_allclose(middles, 31.5, atol=0.51)
     assert max(np.ptp(rows), np.ptp(columns)) == pytest.approx(0.86 * 63, abs=2.1)
+
+
+def test_what_is_seen_does_not_hang_on_the_size_of_the_canvas(sketch):
+    drawn = sketch.with_strokes([replace(stroke, width=0.01 * max(sketch.size)) for stroke in sketch.strokes])
+    pictures = []
+    for side in (256, 4096):
+        scaled = drawn.scaled((side, side))
+        window = Window.around([stroke.points for stroke in scaled.strokes], max(scaled.size))
+        pictures.append(window_picture(scaled, window, 128).astype(int))
+    assert pictures[0].any() and np.abs(pictures[0] - pictures[1]).mean() < 0.5
+    thick = drawn.with_strokes([replace(stroke, width=0.2 * max(sketch.size)) for stroke in sketch.strokes])
+    assert (window_picture(thick, Window.around([s.points for s in thick.strokes], 200), 128) > 0).mean() < 0.3

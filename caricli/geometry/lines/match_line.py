@@ -9,7 +9,9 @@ from caricli.geometry.lines.rows_at import rows_at
 _FINEST = 8
 """Samples of a drawn line for each point that is looked for."""
 _SAMPLES = (64, 320)
-"""Of a line, least and most."""
+"""Of a line, least and most, and"""
+_COARSEST = 3
+"""for each point at least so many: a step takes one or more."""
 _SKIPPED = 1e-9
 """Of a line's length: points nearer to each other are one."""
 
@@ -50,7 +52,7 @@ def match_line(
     """
     steps = _steps(points)
     length = _steps(drawn).sum()
-    samples = int(np.clip(_FINEST * len(points), *_SAMPLES))
+    samples = max(int(np.clip(_FINEST * len(points), *_SAMPLES)), _COARSEST * len(points))
     line = resample(drawn, samples + 1)
     if whole:
         share = np.concatenate([[0], np.cumsum(steps)]) / max(steps.sum(), _SKIPPED)

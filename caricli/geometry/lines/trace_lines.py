@@ -1,6 +1,5 @@
 """Lines of ink as strokes."""
 
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,15 +83,20 @@ def _merged(branches: list[_Branch], centres: np.ndarray, inside: np.ndarray) ->
 
     # The middle of a crossing may be a pixel or two off the ink's.
     reach = cv2.dilate(inside, np.ones((5, 5), np.uint8))[tuple(centres.round().astype(int).T)]
-    count = Counter(end for branch in branches for end in branch.ends)
+    at: dict[int, list[tuple[_Branch, int]]] = {}
+    for branch in branches:
+        for side, end in enumerate(branch.ends):
+            at.setdefault(end, []).append((branch, side))
     middles = centres.copy()
     other: dict[int, int] = {}
+    moved_ends: set[int] = set()
     further = []
     for branch in branches:
         first, last = branch.ends
         sharp = first != last and min(branch.ends) >= 0 and len(branch.pixels) < reach[first] + reach[last]
-        forks = sharp and count[first] == count[last] == 3
-        if (forks or (sharp and _is_tip(branch, branches, centres))) and not {first, last} & {*other, *other.values()}:
+        forks = sharp and len(at[first]) == len(at[last]) == 3
+        if (forks or (sharp and _is_tip(branch, at, centres))) and moved_ends.isdisjoint(branch.ends):
+            moved_ends.update(branch.ends)
             other[last] = first
             middles[first] = (centres[first] + centres[last]) / 2
         else:
@@ -103,10 +107,9 @@ def _merged(branches: list[_Branch], centres: np.ndarray, inside: np.ndarray) ->
     ], middles
 
 
-def _is_tip(branch: _Branch, branches: list[_Branch], centres: np.ndarray) -> bool:
+def _is_tip(branch: _Branch, at: dict[int, list[tuple[_Branch, int]]], centres: np.ndarray) -> bool:
     """Whether a short branch leads from where two lines part to a corner from which a third one turns back, as lips and
-    the line between them meet. centres: (K, 2) of crossings."""
-    at = {end: [(b, side) for b in branches for side in (0, 1) if b.ends[side] == end] for end in branch.ends}
+    the line between them meet. at: branches with the side that ends at each crossing. centres: (K, 2) of these."""
     ends = sorted(branch.ends, key=lambda end: len(at[end]))
     if [len(at[end]) for end in ends] != [2, 3]:
         return False

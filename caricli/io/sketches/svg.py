@@ -132,7 +132,8 @@ class _Reader:
                 _target(element)
         sheets = [element.text or "" for element in elements if _name(element) == "style"]
         self.rules = style_rules("".join(sheets))
-        self.by_id = {key: element for element in elements if (key := element.get("id"))}
+        # Of several of one id the first counts.
+        self.by_id = {key: element for element in reversed(elements) if (key := element.get("id"))}
         self.visits = 0
         self.points = 0
         self.brush = Brush()
@@ -147,17 +148,23 @@ class _Reader:
         matrix = np.array([[1.0, 0, 0], [0, 1, 0]])
         if box is not None:
             self.size, matrix = _canvas(*box)
-        drawn = list(self._walk(self.root, _Place(matrix, None if box is None else (box[2], box[3]))))
-        stroked = [stroke for stroke, has_stroke in drawn if has_stroke]
-        strokes = stroked or [stroke for stroke, _ in drawn]
+        strokes = self._drawn(_Place(matrix, None if box is None else (box[2], box[3])))
         if not strokes and any(_name(element) == "image" for element in self.root.iter()):
             raise InputError(f"expected {KIND}, found a picture alone: give it as PNG or JPEG")
         if self.size is None:
-            size, strokes = _around(strokes)
-            return Sketch(tuple(strokes), size)
+            size, matrix = _canvas(*_box_around(strokes))
+            return Sketch(tuple(self._drawn(_Place(matrix, None))), size)
         # Where all of it lies beside the canvas, who reads it is to be told so.
         seen = [stroke for stroke in strokes if _meets(stroke, self.size)] or strokes
         return Sketch(tuple(seen), self.size)
+
+    def _drawn(self, place: _Place) -> list[Stroke]:
+        """Strokes of all of the drawing in a place: what has lines, or where nothing has, what is filled."""
+        self.visits = self.points = 0
+        self.brush = Brush()
+        self.clipper = Clipper()
+        drawn = list(self._walk(self.root, place))
+        return [stroke for stroke, has_stroke in drawn if has_stroke] or [stroke for stroke, _ in drawn]
 
     def _walk(self, element: Element, place: _Place) -> Iterator[tuple[Stroke, bool]]:
         self.visits += 1
@@ -348,13 +355,13 @@ def _canvas(left: float, top: float, width: float, height: float) -> tuple[tuple
     return size, np.array([[zoom, 0, -left * zoom - 0.5], [0, zoom, -top * zoom - 0.5]])
 
 
-def _around(strokes: list[Stroke]) -> tuple[tuple[int, int], list[Stroke]]:
-    """A canvas around strokes."""
+def _box_around(strokes: list[Stroke]) -> tuple[float, float, float, float]:
+    """Left, top, width and height of what is around strokes, with a margin; the usual canvas where there are none."""
     if not strokes:
-        return (CANVAS, CANVAS), strokes
+        return 0.0, 0.0, CANVAS, CANVAS
     points = np.concatenate([stroke.points for stroke in strokes])
-    low = points.min(0)
     extent = np.maximum(np.ptp(points, axis=0), 1e-3)
     margin = 0.05 * extent.max()
-    size, matrix = _canvas(*(low - margin).tolist(), *(extent + 2 * margin).tolist())
-    return size, [stroke.moved(stroke.points @ matrix[:, :2].T + matrix[:, 2]) for stroke in strokes]
+    left, top = points.min(0) - margin
+    width, height = extent + 2 * margin
+    return float(left), float(top), float(width), float(height)

@@ -51,7 +51,7 @@ class PoseSettings:
     perspective: share by which what is a head's height nearer is larger, at most.
     filled: longer side of the landmarks' box as a share of the picture's. close, small: chances of faces that go beyond
     the picture's edges, and of small ones; their shares. aside: how far its middle is off, of the picture's side;
-    apart: the same where there are several.
+    apart: the same where there are several; smaller ones than ``filled`` stand anywhere.
     """
 
     yaw: float = 20

@@ -11,7 +11,7 @@ from caricli.errors import InputError
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.reconstruct.fit_landmarks_intrinsic import fit_landmarks_intrinsic
 from caricli.methods.reconstruct.fit_landmarks_latent import fit_landmarks_latent
-from caricli.methods.reconstruct.landmark_fit import LandmarkFit
+from caricli.methods.reconstruct.landmark_fit import LandmarkFit, landmark_errors
 from caricli.methods.reconstruct.outline import Outline, can_find_outline
 from caricli.methods.reconstruct.settings import METHODS, IntrinsicSettings, LatentSettings
 from caricli.models.intrinsic.model import IntrinsicModel
@@ -56,7 +56,7 @@ def fit_landmarks(
     fit = _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
     if picture is None or fit.face.residual is None:
         return fit
-    return _as_pictured(fit, cast(IntrinsicModel, model), picture)
+    return _as_pictured(fit, points, cast(IntrinsicModel, model), picture)
 
 
 def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPicture) -> Outline:
@@ -68,8 +68,11 @@ def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPic
     return outline if len(points) == COUNT else outline.sure_ears
 
 
-def _as_pictured(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture) -> LandmarkFit:
-    """A fit whose ears and sides end where a picture shows it, and whose neck is as thin. model: of its latent."""
+def _as_pictured(fit: LandmarkFit, points: np.ndarray, model: IntrinsicModel, picture: ParsedPicture) -> LandmarkFit:
+    """A fit whose ears and sides end where a picture shows it, and whose neck is as thin.
+
+    points: (L, 2) landmarks that were given. model: of its latent.
+    """
     # OpenCV takes a while to start, and most fits have no picture.
     from caricli.methods.reconstruct.fit_ears import fit_ears
     from caricli.methods.reconstruct.fit_neck import fit_neck
@@ -83,8 +86,10 @@ def _as_pictured(fit: LandmarkFit, model: IntrinsicModel, picture: ParsedPicture
     vertices = template.mended(seen.vertices)
     residual = template.gradients.features(vertices) - model.features(seen.require_latent())
     landmarks = seen.require_camera().project(vertices[fit.anchors])
+    nme, part_errors = landmark_errors(landmarks, points)
     face = replace(seen.with_vertices(vertices), landmarks=landmarks, residual=residual)
-    return replace(fit, face=face, flipped=float(flipped_triangles(vertices, template.gradients).mean()), neck=neck)
+    flipped = float(flipped_triangles(vertices, template.gradients).mean())
+    return replace(fit, face=face, nme=nme, part_errors=part_errors, flipped=flipped, neck=neck)
 
 
 def _method(model: ShapeModel, method: str, prior_weight: float) -> Callable[..., LandmarkFit]:

@@ -84,7 +84,9 @@ def fit_landmarks_intrinsic(
     residual = template.gradients.features(vertices) - model.features(latent)
     face = Face(template.with_vertices(vertices), surface.camera, None, latent, residual, model.model_id)
     weights = observation.shares(likeliest.weights, likeliest.noise)
-    return replace(observation.measure(face, model, weights, settings), outline=outline)
+    fit = observation.measure(face, model, weights, settings)
+    again = settings.again if outline is not None and outline.found else 0
+    return replace(fit, outline=outline, rounds=settings.rounds + again)
 
 
 class LandmarkChase:

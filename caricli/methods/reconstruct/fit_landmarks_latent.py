@@ -42,7 +42,8 @@ def fit_landmarks_latent(
         return fit
     outline = look(fit.face)
     if outline.found:
-        fit = _fit(Observation(points, model.template, outline, spreads), model, settings)
+        other = _fit(Observation(points, model.template, outline, spreads), model, settings)
+        fit = replace(other, rounds=fit.rounds + other.rounds)
     return replace(fit, outline=outline)
 
 

@@ -254,20 +254,35 @@ class Observation:
         errors = 100 * self.errors(face.vertices, camera, anchors)[self.given]
         own = face.vertices if face.residual is None else model.decode(latent)
         own_errors = 100 * self.errors(own, *self.settle(own, weights, _rotation(face)))[self.given]
-        ids = self.ids[self.given]
-        parts = {name: errors[np.isin(ids, list(numbers))] for name, numbers in PARTS.items()}
+        nme, part_errors = _means(errors, self.ids[self.given])
         pixels = self.in_pixels(camera)
         return LandmarkFit(
             face=replace(face, camera=pixels, landmarks=pixels.project(face.vertices[anchors[: self.asked]])),
             anchors=anchors[: self.asked],
-            nme=float(errors.mean()),
+            nme=nme,
             nme_latent=float(own_errors.mean()),
             prior_rms=float(model.prior.rms(latent)),
             flipped=float(flipped_triangles(face.vertices, model.template.gradients).mean()),
-            part_errors={name: float(values.mean()) for name, values in parts.items() if len(values)},
+            part_errors=part_errors,
             rounds=settings.iterations,
             settings=settings,
         )
+
+
+def landmark_errors(landmarks: np.ndarray, points: np.ndarray) -> tuple[float, dict[str, float]]:
+    """How far landmarks (L, 2) are from given points (L, 2), NaN where unknown, in the mean: all, and by PARTS.
+
+    Percent of the diagonal of the points' box.
+    """
+    ids = np.flatnonzero(np.isfinite(points).all(axis=1))
+    diagonal = np.linalg.norm(np.ptp(points[ids], axis=0))
+    return _means(100 * np.linalg.norm(landmarks[ids] - points[ids], axis=1) / diagonal, ids)
+
+
+def _means(errors: np.ndarray, ids: np.ndarray) -> tuple[float, dict[str, float]]:
+    """The mean of errors (K,), and those of PARTS. ids: (K,) numbers of landmarks."""
+    parts = {name: errors[np.isin(ids, list(numbers))] for name, numbers in PARTS.items()}
+    return float(errors.mean()), {name: float(values.mean()) for name, values in parts.items() if len(values)}
 
 
 def outlier_weights(errors: np.ndarray, settings: OutlierSettings) -> np.ndarray:

@@ -22,6 +22,9 @@ _ENOUGH = 3
 _LARGEST = 3.0
 """Radians, and logarithms of the scale: a step as large as this leads nowhere."""
 
+_DOT = 1e-6
+"""Pixels: lines that are all in one place."""
+
 TURN = slice(0, 3)
 FRONT = np.diag([1.0, -1.0, -1.0])
 
@@ -50,7 +53,7 @@ def fit_lines(
     camera = line_camera(lines, handles, model.decode_points(model.prior.mean, handles.vertices), settings)
     for _ in range(settings.rounds):
         points, jacobian = model.points_jacobian(model.prior.colour(whitened), handles.vertices)
-        places = handles.places(lines, camera.project(points))
+        places = _places(lines, handles, camera, points)
         system, right = _normal_equations(camera, points, places, jacobian @ model.prior.factor, settings)
         system[CAMERA:, CAMERA:] += np.eye(len(whitened))
         right[CAMERA:] -= whitened
@@ -78,13 +81,19 @@ def line_camera(
     camera = _front(lines, handles, points) if start is None else start
     none = np.zeros((len(points), 3, 0))
     for _ in range(settings.first):
-        places = handles.places(lines, camera.project(points))
-        if np.isfinite(places).all(axis=1).sum() < FEWEST:
-            raise InputError(f"expected lines of the curves of a face, found {_told(lines)}")
+        places = _places(lines, handles, camera, points)
         for _ in range(2):
             step = np.linalg.solve(*_normal_equations(camera, points, places, none, settings))
             camera = _stepped(camera, step)
     return camera
+
+
+def _places(lines: Lines, handles: LineHandles, camera: Camera, points: np.ndarray) -> np.ndarray:
+    """(H, 2) pixels on lines of handles (H, 3), NaN where nothing was drawn. Raises InputError where too few are."""
+    places = handles.places(lines, camera.project(points))
+    if np.isfinite(places).all(axis=1).sum() < FEWEST:
+        raise InputError(f"expected lines of the curves of a face, found {_told(lines)}")
+    return places
 
 
 def _normal_equations(
@@ -108,7 +117,7 @@ def _normal_equations(
 
 def _stepped(camera: Camera, step: np.ndarray) -> Camera:
     """``moved_camera``. Raises InputError for a step that leads nowhere."""
-    if np.abs(step[: CAMERA - 2]).max() > _LARGEST:
+    if not np.abs(step[: CAMERA - 2]).max() <= _LARGEST:  # nor is it a number where the lines meet in a point
         raise InputError("expected lines that a face could show, found none that have lines like these")
     return moved_camera(camera, step)
 
@@ -124,7 +133,10 @@ def _front(lines: Lines, handles: LineHandles, points: np.ndarray) -> Camera:
         raise InputError(f"expected lines of the curves of a face, found {_told(lines)}")
     flat = points[np.concatenate([handles.rows[name] for name in names])] @ FRONT[:2].T
     drawn = np.concatenate([line for name in names for line in lines[name]])
-    scale = np.linalg.norm(np.ptp(drawn, axis=0)) / np.linalg.norm(np.ptp(flat, axis=0))
+    extent = np.linalg.norm(np.ptp(drawn, axis=0))
+    if extent < _DOT:
+        raise InputError("expected lines of the curves of a face, found a dot")
+    scale = extent / np.linalg.norm(np.ptp(flat, axis=0))
     middles = [(values.min(0) + values.max(0)) / 2 for values in (drawn, flat)]
     return Camera(float(scale), FRONT, middles[0] - scale * middles[1])
 

@@ -12,7 +12,6 @@ from caricli.methods.sketch.find_outline import find_outline
 from caricli.methods.sketch.fit_lines import fit_lines, line_camera
 from caricli.methods.sketch.lay_over import faces_over, mouths_over
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve, with_own_names
-from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
 from caricli.methods.sketch.nameless_strokes import NamelessStrokes, rejoined
 from caricli.methods.sketch.names_in_order import names_in_order
 from caricli.methods.sketch.settings import (
@@ -143,13 +142,12 @@ class _Naming:
         self.settings = settings
         self.candidates = candidates_at(handles, own)
         self.numbers = nameless.numbers
-        strokes = nameless.strokes
-        self.costs = stroke_costs(strokes, self.candidates, unit, settings)
+        self.costs = stroke_costs(nameless.shapes, self.candidates, unit, settings)
         surprise = settings.unlikely * nameless.surprise([each.names for each in self.candidates])
         self.costs.whole[:] += surprise
         self.costs.part[:] += surprise
         names = [each.names[0] for each in self.candidates]
-        unlikely = np.outer(mirrored_strokes(strokes), [name.startswith(MIDDLE) for name in names])
+        unlikely = np.outer(nameless.mirrored, [name.startswith(MIDDLE) for name in names])
         self.costs.whole[unlikely] = np.inf
         along = np.array([name == PIECED for name in names]) & (self.costs.part <= _ALONG)
         self.costs.part[unlikely & ~along] = np.inf
@@ -158,10 +156,11 @@ class _Naming:
         self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
         self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])
         self.chosen: dict[int, Candidate] = {}
-        self.cost = self._assign()
+        # Of what is likelier than others the cost falls below zero; shares of it count from the least.
+        self.cost = self._assign() - settings.unlikely * nameless.most_likely
         self._put_in_order(_APART * unit)
         self._let_none_stand_alone()
-        self._continue([stroke.length for stroke in strokes])
+        self._continue(nameless.shapes.lengths)
         self._find_outline()
 
     def settled(self, handles: LineHandles, model: ShapeModel, unit: float) -> "_Naming":
@@ -251,7 +250,8 @@ class _Naming:
             pairs, total, blocked = min(
                 ((*self._pairs(also), also) for also in (blocked | drawn, blocked | loops)), key=lambda way: way[1]
             )
-        for s, c in self._with_pieces(pairs, total, blocked):
+        pairs, total = self._with_pieces(pairs, total, blocked)
+        for s, c in pairs:
             self.chosen[self.numbers[s]] = self.candidates[c]
         return total
 
@@ -266,9 +266,11 @@ class _Naming:
         pairs = [(s, c) for s, c in zip(rows.tolist(), columns.tolist(), strict=True) if c < costs.shape[1]]
         return [(strokes[s], c) for s, c in pairs if costs[s, c] < dearest], float(table[rows, columns].sum())
 
-    def _with_pieces(self, pairs: list[tuple[int, int]], total: float, blocked: np.ndarray) -> list[tuple[int, int]]:
-        """Pairs of strokes and candidates where several strokes may draw a nose, one after the other, when all together
-        cost less so. pairs, total: without that, as ``_pairs`` gives them."""
+    def _with_pieces(
+        self, pairs: list[tuple[int, int]], total: float, blocked: np.ndarray
+    ) -> tuple[list[tuple[int, int]], float]:
+        """Pairs of strokes and candidates, and the sum of their costs, where several strokes may draw a nose, one after
+        the other, when all together cost less so. pairs, total: without that, as ``_pairs`` gives them."""
         nose = next((c for c, each in enumerate(self.candidates) if each.names == (PIECED,)), None)
         pieces: list[int] = []
         while nose is not None and len(pieces) < _PIECES:
@@ -284,7 +286,7 @@ class _Naming:
                 break
             total, piece, pairs = min(trials)
             pieces.append(piece)
-        return pairs + [(s, nose) for s in pieces if nose is not None]
+        return pairs + [(s, nose) for s in pieces if nose is not None], total
 
     def _share(self, whole: list[int], pieces: list[int], c: int) -> bool:
         """Whether strokes draw a candidate, and each of some others a piece of it where no other does."""
@@ -315,8 +317,8 @@ class _Naming:
             if self.costs.whole[self.numbers.index(number), single[other]] < self.settings.dearest:
                 self.chosen[number] = self.candidates[single[other]]
 
-    def _continue(self, lengths: list[float]) -> None:
-        """Let strokes that are left continue what others draw, the longest first."""
+    def _continue(self, lengths: np.ndarray) -> None:
+        """Let strokes that are left continue what others draw, the longest first. lengths: (S,) pixels."""
         drawn = np.zeros((len(self.candidates), self.candidates[0].line.shape[0]), bool)
         for s, number in enumerate(self.numbers):
             if number in self.chosen:

@@ -2,10 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from caricli.methods.sketch.find_irises import find_irises
+from caricli.methods.sketch.mirrored_strokes import mirrored_strokes
+from caricli.methods.sketch.stroke_candidates import StrokeShapes
 from caricli.methods.sketch.strokes_read import Read, StrokesRead
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
@@ -49,10 +52,25 @@ class NamelessStrokes:
         is_eye = np.array([cut.strokes[number].points.tobytes() in eyes for number in left], bool)
         return cls(cut, left, is_eye, told, strokes_read)
 
-    @property
+    @cached_property
     def strokes(self) -> list[Stroke]:
         """The strokes of these numbers."""
         return [self.sketch.strokes[number] for number in self.numbers]
+
+    @cached_property
+    def shapes(self) -> StrokeShapes:
+        """How these run."""
+        return StrokeShapes.of(self.strokes)
+
+    @cached_property
+    def mirrored(self) -> np.ndarray:
+        """(S,) bool, which of these have another one on the other side, as ``mirrored_strokes`` tells it."""
+        return mirrored_strokes(self.strokes)
+
+    @property
+    def most_likely(self) -> float:
+        """What ``surprise`` is at least, over all strokes: of names that a network is sure of; 0 without one."""
+        return 0.0 if self.read is None else len(self.numbers) * float(np.log(_CHANCES[1]))
 
     def surprise(self, candidates: Sequence[tuple[str, ...]]) -> np.ndarray:
         """(S, C) by how much it speaks against each stroke drawing one of the curves of a candidate that a network
@@ -78,10 +96,18 @@ def rejoined(named: Sketch, sketch: Sketch) -> Sketch:
         last = strokes[-1]
         cut = not whole.intersection((last.points.tobytes(), stroke.points.tobytes()))
         if cut and last.curve == stroke.curve and last.points[-1].tobytes() == stroke.points[0].tobytes():
-            strokes[-1] = last.moved_to(np.concatenate([last.points, stroke.points[1:]]))
+            strokes[-1] = _continued(last, stroke)
         else:
             strokes.append(stroke)
     return named.with_strokes(strokes)
+
+
+def _continued(stroke: Stroke, other: Stroke) -> Stroke:
+    """A stroke that goes on along another one, which begins where it ends."""
+    points = np.concatenate([stroke.points, other.points[1:]])
+    if stroke.pressure is None or other.pressure is None:
+        return stroke.moved_to(points)
+    return replace(stroke, points=points, pressure=np.concatenate([stroke.pressure, other.pressure[1:]]))
 
 
 def _longest(sketch: Sketch) -> list[int]:

@@ -59,13 +59,18 @@ def _pieces(
     ring = is_ring(stroke)
     if len(runs) == 1 or (ring and not _follow_each_other(curves)):
         return [(replace(stroke, curve=names[int(logs.sum(0).argmax())]), np.arange(len(logs)))]
-    lines = cut_line(stroke.points, [along[run[0] - 1 : run[0] + 1].mean() for run in runs[1:]])
+    lines = cut_line(stroke.points, [along[run[0] - 1 : run[0] + 1].mean() for run in runs[1:]], stroke.pressure)
     if ring and curves[0] == curves[-1]:
         lines[0] = np.concatenate([lines.pop(), lines[0]])
         runs[0] = np.concatenate([runs.pop(), runs[0]])
         curves.pop()
-    pieces = [replace(stroke.moved_to(line), curve=curve) for line, curve in zip(lines, curves, strict=True)]
+    pieces = [replace(_along(stroke, rows), curve=curve) for rows, curve in zip(lines, curves, strict=True)]
     return list(zip(pieces, runs, strict=True))
+
+
+def _along(stroke: Stroke, rows: np.ndarray) -> Stroke:
+    """A stroke along other points. rows: (N, 2), and a third column of its pressure where it has one."""
+    return replace(stroke, points=rows[:, :2], pressure=None if stroke.pressure is None else rows[:, 2])
 
 
 def _follow_each_other(curves: Sequence[str | None]) -> bool:

@@ -27,7 +27,7 @@ from caricli.methods.sketch.strokes_read import Read
 from caricli.methods.sketch.unsure_share import unsure_share
 from caricli.models.shape_model import ShapeModel
 from caricli.structures import Face
-from caricli.structures.sketch import Sketch, StrokeKind
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 from caricli.template.feature_curves import named_curves
 
 _SPACING = 0.004
@@ -148,13 +148,13 @@ def _contradicting(sketch: Sketch, fit: SketchFit) -> str | None:
 
 def _without(named: Sketch, curve: str, sketch: Sketch) -> Sketch:
     """A named sketch whose strokes of a curve are left, of the kinds that they had in the sketch without names."""
-    kinds = {stroke.points.tobytes(): stroke.kind for stroke in sketch.strokes}
-    return named.with_strokes(
-        replace(stroke, curve=None, kind=kinds.get(stroke.points.tobytes(), StrokeKind.UNKNOWN))
-        if stroke.curve == curve
-        else stroke
-        for stroke in named.strokes
-    )
+    kinds = {point.tobytes(): stroke.kind for stroke in sketch.strokes for point in stroke.points}
+
+    def left(stroke: Stroke) -> Stroke:
+        drawn = (kinds[point] for point in map(np.ndarray.tobytes, stroke.points) if point in kinds)
+        return replace(stroke, curve=None, kind=next(drawn, StrokeKind.UNKNOWN))
+
+    return named.with_strokes(left(stroke) if stroke.curve == curve else stroke for stroke in named.strokes)
 
 
 class SketchReconstruction:
@@ -211,7 +211,10 @@ class SketchReconstruction:
             if curve is None:
                 break
             named = _without(named, curve, sketch)
-            fit = replace(self._fit(sketch, named, share), left=(*fit.left, curve))
+            try:
+                fit = replace(self._fit(sketch, named, share), left=(*fit.left, curve))
+            except InputError:  # too few are left: those that contradict each other show a face, at least
+                break
         return fit
 
     def _fit(self, sketch: Sketch, named: Sketch, share: float) -> SketchFit:

@@ -60,6 +60,36 @@ def is_ring(stroke: Stroke) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
+class StrokeShapes:
+    """How strokes run, whatever they are compared with.
+
+    kinds: S StrokeKind. lines: (S, 32, 2) pixels, points at equal distances along each. directions: (S, 32, 2), unit
+    vectors there. lengths: (S,) pixels. rings: (S,) bool, see ``is_ring``.
+    """
+
+    kinds: tuple[StrokeKind, ...]
+    lines: np.ndarray
+    directions: np.ndarray
+    lengths: np.ndarray
+    rings: np.ndarray
+
+    @classmethod
+    def of(cls, strokes: Sequence[Stroke]) -> "StrokeShapes":
+        """Those of strokes, each of some length."""
+        lines = np.array([resample(stroke.points, _POINTS[0]) for stroke in strokes]).reshape(-1, _POINTS[0], 2)
+        lengths = np.array([stroke.length for stroke in strokes])
+        rings = np.array([is_ring(stroke) for stroke in strokes], bool)
+        return cls(tuple(stroke.kind for stroke in strokes), lines, _directions(lines), lengths, rings)
+
+    def may_draw(self, candidates: Sequence[Candidate]) -> np.ndarray:
+        """(S, C) bool: whether strokes are of the kind of candidates, and closed where these are."""
+        silhouettes = np.array([each.kind == StrokeKind.SILHOUETTE for each in candidates])
+        kinds = np.array([kind == StrokeKind.SILHOUETTE for kind in self.kinds])[:, None] == silhouettes
+        kinds |= np.array([kind == StrokeKind.UNKNOWN for kind in self.kinds])[:, None]
+        return kinds & (self.rings[:, None] | ~np.array([each.loop for each in candidates]))
+
+
+@dataclass(frozen=True, eq=False)
 class StrokeCosts:
     """How far strokes are from what they may draw, in shares of a face's diagonal; infinite where they cannot.
 
@@ -73,30 +103,30 @@ class StrokeCosts:
 
 
 def stroke_costs(
-    strokes: Sequence[Stroke], candidates: Sequence[Candidate], unit: float, settings: NamingSettings
+    shapes: StrokeShapes, candidates: Sequence[Candidate], unit: float, settings: NamingSettings
 ) -> StrokeCosts:
-    """Compare strokes, each of some length, with candidates. unit: pixels, diagonal of the face."""
-    shape = (len(strokes), len(candidates))
+    """Compare strokes with candidates. shapes: StrokeShapes. unit: pixels, diagonal of the face."""
+    shape = (len(shapes.kinds), len(candidates))
     whole = np.full(shape, np.inf)
     part = np.full(shape, np.inf)
     nearest = np.zeros((*shape, _POINTS[0]), int)
     curves = np.array([candidate.line for candidate in candidates])
     lengths = np.linalg.norm(np.diff(curves, axis=1), axis=-1).sum(1)
     along = _directions(curves)
-    for s, stroke in enumerate(strokes):
-        line = resample(stroke.points, _POINTS[0])
+    may_draw = shapes.may_draw(candidates)
+    for s, line in enumerate(shapes.lines):
         gaps = cdist(line, curves.reshape(-1, 2)).reshape(len(line), *curves.shape[:2]).swapaxes(0, 1) / unit
         nearest[s] = gaps.argmin(2)
         there = np.take_along_axis(along, nearest[s][..., None], 1)
-        turned = 1 - np.abs((_directions(line) * there).sum(-1)).mean(1)
+        turned = 1 - np.abs((shapes.directions[s] * there).sum(-1)).mean(1)
         near = gaps.min(2).mean(1) + settings.turn * turned
         back = np.minimum(gaps.min(1), settings.missing).mean(1)
         met = np.take_along_axis(curves, nearest[s][..., None], 1)
         apart = line - met
         unlike = np.linalg.norm(apart - apart.mean(1, keepdims=True), axis=-1).mean(1) / unit
-        fits = np.array([_may_draw(stroke, candidate) for candidate in candidates])
+        fits = may_draw[s]
         part[s, fits] = near[fits]
-        fits &= stroke.length > settings.scrap * lengths
+        fits = fits & (shapes.lengths[s] > settings.scrap * lengths)
         whole[s, fits] = (near + settings.back * back + settings.shape * unlike)[fits]
     return StrokeCosts(whole, part, nearest)
 
@@ -118,13 +148,6 @@ def split_ring(stroke: Stroke, candidate: Candidate) -> list[Stroke]:
         replace(stroke, points=half, kind=candidate.kind, curve=name, pressure=None)
         for name, half in zip(candidate.names, halves, strict=True)
     ]
-
-
-def _may_draw(stroke: Stroke, candidate: Candidate) -> bool:
-    if candidate.loop and not is_ring(stroke):
-        return False
-    silhouette = candidate.kind == StrokeKind.SILHOUETTE
-    return stroke.kind == StrokeKind.UNKNOWN or silhouette == (stroke.kind == StrokeKind.SILHOUETTE)
 
 
 def _directions(lines: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """The network that sees faces in sketches, as it is used."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
@@ -22,6 +22,9 @@ from caricli.structures import Camera
 from caricli.structures.sketch import Sketch
 
 SCHEMA = "caricli.sketch_network/1"
+
+THICKEST = 3.4
+"""Pixels of a window: the widest of the lines that networks are trained with."""
 
 _SIDES = (64, 512)
 _OUTPUTS = (1, 10**4)
@@ -122,10 +125,13 @@ def other_side(name: str) -> str:
 
 
 def window_picture(sketch: Sketch, window: Window, size: int) -> np.ndarray:
-    """The strokes in a window as a picture (S, S) uint8, 255 where ink is."""
+    """The strokes in a window as a picture (S, S) uint8, 255 where ink is; none thicker than networks are shown."""
     scale = (size - 1) / 2
-    moved = (stroke.moved(scale * (1 + window.inside(stroke.points))) for stroke in sketch.strokes)
-    return rasterise_sketch(Sketch(tuple(moved), (size, size)), size)
+    strokes = []
+    for stroke in sketch.strokes:
+        width = None if stroke.width is None else min(stroke.width * scale / window.half, THICKEST)
+        strokes.append(replace(stroke, points=scale * (1 + window.inside(stroke.points)), width=width))
+    return rasterise_sketch(Sketch(tuple(strokes), (size, size)), size)
 
 
 def window_camera(numbers: np.ndarray, window: Window) -> Camera:

@@ -76,8 +76,8 @@ def _patches(windows: torch.Tensor, places: torch.Tensor, patch: int) -> torch.T
     side = windows.shape[-1]
     padded = functional.pad(windows[:, 0], [patch // 2] * 4)
     pixels = ((side - 1) / 2 * (1 + places[..., :2])).round().long().clamp(0, side - 1)
-    reach = torch.arange(patch)
+    reach = torch.arange(patch, device=windows.device)
     rows = pixels[..., 1, None, None] + reach[:, None]
     columns = pixels[..., 0, None, None] + reach
-    batch = torch.arange(len(windows))[:, None, None, None]
+    batch = torch.arange(len(windows), device=windows.device)[:, None, None, None]
     return padded[batch, rows, columns].flatten(2)

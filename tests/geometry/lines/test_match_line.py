@@ -78,3 +78,12 @@ def test_a_line_far_from_the_corner_of_a_picture_has_the_same_places(whole):
 def test_a_straight_line_may_be_matched():
     line = np.stack([np.linspace(0, 8, 9), np.full(9, 2.0)], 1)
     np.testing.assert_allclose(match_line(line, dense(3 * line), whole=True), 3 * line, atol=0.6)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_curve_of_many_vertices_has_a_place_for_each(whole):
+    turn = np.linspace(0, np.pi, 900)
+    arc = np.column_stack([np.cos(turn), np.sin(turn)])
+    places = match_line(arc, 100 * arc + 50, whole)
+    assert np.isfinite(places).all()
+    assert np.linalg.norm(places - (100 * arc + 50), axis=1).max() < 0.5

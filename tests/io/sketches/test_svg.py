@@ -456,3 +456,16 @@ def test_an_origin_that_says_nothing_here_is_refused(tmp_path, told):
     with pytest.raises(InputError, match="transform-origin: expected lengths"):
         read(tmp_path, f'<line x2="9" transform="scale(2)" style="{told}"/>')
     assert len(read(tmp_path, f'<line x2="9" style="{told}"/>').strokes) == 1
+
+
+def test_without_a_size_lines_are_as_fine_and_as_wide_as_with_one(tmp_path):
+    body = '<circle cx="5" cy="5" r="4" fill="none" stroke="black" stroke-width="0.1"/>'
+    (framed,), (bare,) = (read(tmp_path, body, head=head).strokes for head in ('viewBox="0.6 0.6 8.8 8.8"', ""))
+    assert bare.width == pytest.approx(framed.width) == pytest.approx(0.1 * 256 / 8.8)
+    assert len(bare.points) == len(framed.points) > 50
+    np.testing.assert_allclose(np.ptp(bare.points, axis=0), np.ptp(framed.points, axis=0), rtol=1e-3)
+
+
+def test_of_two_elements_of_one_name_the_first_is_used(tmp_path):
+    twice = '<defs><line id="a" x2="10"/><line id="a" x2="99" y2="99"/></defs><use href="#a"/>'
+    np.testing.assert_allclose(points(tmp_path, twice), [[0, 0], [10, 0]])

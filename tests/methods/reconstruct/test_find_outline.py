@@ -104,6 +104,23 @@ def test_the_forehead_follows_where_the_head_ends(head, intrinsic, seen):
         assert gone[1] < 0.9 * gone[0]
 
 
+def test_errors_are_those_of_the_face_whose_ears_were_fitted(head, intrinsic, seen):
+    truth = seen(head.evaluate(), count=81)
+    mesh = intrinsic.template.with_vertices(truth.vertices)
+    owner = rasterise(truth.camera.place(mesh.vertices), mesh.faces, 640, 640).face
+    ears = intrinsic.template.mask("ear_left", "ear_right")[mesh.faces].all(1)
+    larger = cv2.dilate((ears[owner] & (owner >= 0)).astype(np.uint8), np.ones((15, 15), np.uint8)) > 0
+    regions = np.where(owner >= 0, Region.SKIN, np.where(larger, Region.EARS, Region.BACKGROUND)).astype(np.uint8)
+    regions[ears[owner] & (owner >= 0)] = Region.EARS
+    image = np.full((640, 640, 3), 200, np.uint8)
+    plain = fit_landmarks(truth.points, intrinsic)
+    fit = fit_landmarks(truth.points, intrinsic, picture=ParsedPicture(image, regions))
+    errors = 100 * np.linalg.norm(fit.face.landmarks - truth.points, axis=1)
+    errors /= np.linalg.norm(np.ptp(truth.points, axis=0))
+    assert fit.nme == pytest.approx(errors.mean()) and fit.nme > 2 * plain.nme
+    assert fit.part_errors["extra"] == pytest.approx(errors[68:].mean())
+
+
 def test_labels_tell_ears_before_a_background_of_their_colour(head, intrinsic, seen):
     both = {f"{side}-{name}": weight for side in "lr" for name, weight in GIANT.items()}
     truth = seen(head.evaluate(changes=both), count=81)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
-from caricli.methods.sketch.fit_lines import fit_lines, line_camera
+from caricli.methods.sketch.fit_lines import FEWEST, fit_lines, line_camera
 from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.methods.sketch.settings import LineFitSettings
 
@@ -56,3 +56,26 @@ def test_few_lines_are_refused(lines, handles, model):
         fit_lines({}, handles, model)
     with pytest.raises(InputError, match="found brow_left"):
         fit_lines({"brow_left": lines["brow_left"]}, handles, model)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [0.0, 1e-300, 1e-9])
+def test_lines_that_are_all_in_one_place_are_refused(lines, handles, model, size):
+    drawn = {name: [100 + size * (line - line[0]) for line in own] for name, own in lines.items()}
+    with pytest.raises(InputError, match="expected lines"):
+        fit_lines(drawn, handles, model)
+
+
+def test_lines_that_the_curves_of_a_face_leave_on_the_way_are_refused(lines, handles, model, monkeypatch):
+    met = handles.places
+    calls = []
+
+    def places(drawn, own):
+        calls.append(own)
+        there = met(drawn, own)
+        there[FEWEST - 1 if len(calls) > 2 * LineFitSettings.first else len(there) :] = np.nan
+        return there
+
+    monkeypatch.setattr(handles, "places", places)
+    with pytest.raises(InputError, match="expected lines of the curves of a face"):
+        fit_lines(lines, handles, model)

@@ -39,6 +39,8 @@ def test_what_is_unlikely_surprises():
     assert surprise[0, 0] < 0 < surprise[0, 1] < surprise[1, 1]
     assert surprise[2, 0] == pytest.approx(0) and (surprise[:, 3] == 0).all()
     assert surprise[0, 2] == pytest.approx(np.log(0.14 / 0.95))
+    assert surprise.min(1).sum() >= NamelessStrokes.of(SKETCH, read).most_likely < 0
+    assert NamelessStrokes.of(SKETCH).most_likely == 0
     assert (NamelessStrokes.of(SKETCH).surprise([("nose",)]) == 0).all()
 
 
@@ -72,3 +74,10 @@ def test_pieces_of_one_name_are_one_stroke_again():
     assert len(rejoined(pieces, SKETCH).strokes) == 3
     # Strokes that were drawn so stay two.
     assert len(rejoined(named, named).strokes) == 3
+
+
+def test_pieces_keep_the_pressure_of_their_stroke():
+    pressure = np.linspace(0, 1, 21)
+    halves = [Stroke(LINE[part], curve="nose", pressure=pressure[part]) for part in (slice(0, 11), slice(10, 21))]
+    (whole,) = rejoined(Sketch(tuple(halves)), Sketch((Stroke(LINE, pressure=pressure),))).strokes
+    np.testing.assert_array_equal(whole.pressure, pressure)

@@ -74,11 +74,15 @@ def test_lines_that_run_into_each_other_are_cut(usual, network):
     nose = lines["nose"] if lines["nose"][0, 0] > lines["nose"][-1, 0] else lines["nose"][::-1]
     brow = lines["brow_left"] if lines["brow_left"][0, 0] > lines["brow_left"][-1, 0] else lines["brow_left"][::-1]
     others = [stroke for stroke in usual.strokes if stroke.curve not in ("nose", "brow_left")]
-    read = read_strokes(Sketch((*map(nameless, others), Stroke(np.concatenate([brow, nose])))), (), network).sketch
+    line = np.concatenate([brow, nose])
+    joined = Stroke(line, pressure=np.linspace(0, 1, len(line)))
+    read = read_strokes(Sketch((*map(nameless, others), joined)), (), network).sketch
     pieces = read.strokes[len(others) :]
     assert [pieces[0].curve, pieces[-1].curve] == ["brow_left", "nose"]
     for before, after in itertools.pairwise(pieces):
         np.testing.assert_array_equal(before.points[-1], after.points[0])
+        assert before.pressure[-1] == after.pressure[0]
+    assert pieces[0].pressure[0] == 0 and pieces[-1].pressure[-1] == 1
 
 
 def test_names_that_are_given_stay_and_are_nobody_else_s(usual, network):

@@ -15,7 +15,7 @@ from caricli.methods.sketch.reconstruct_sketch import SketchReconstruction
 from caricli.methods.sketch.settings import FollowSettings
 from caricli.store.models import load_model
 from caricli.store.session_tools import SessionTools
-from caricli.structures.sketch import Sketch, Stroke
+from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 
 
 @pytest.fixture(scope="module")
@@ -198,3 +198,18 @@ def test_lines_that_leave_the_canvas_far_behind_are_compared_at_few_points():
     far = np.array([[-1e6, 0], [1e6, 0], [-1e6, 9], [1e6, 9]])
     distances = reconstruct_sketch._distances({"nose": [far]}, {"nose": np.zeros((1, 2))}, 256)["nose"]
     assert 1000 < len(distances) <= MAX_SKETCH_POINTS and distances.max() == pytest.approx(1e8 / 256)
+
+
+def test_where_too_little_is_left_the_fit_with_all_of_it_stays(own, monkeypatch):
+    sketch = Sketch(tuple(plain_face(CREASE)), (512, 512))
+    monkeypatch.setattr(reconstruct_sketch, "_without", lambda named, curve, sketch: named.with_strokes([]))
+    fit = own.reconstruct(sketch)
+    assert not fit.left and len(fit.sketch.strokes) >= len(sketch.strokes)
+
+
+def test_strokes_that_are_left_are_of_the_kind_that_they_were():
+    line = np.column_stack([np.linspace(0, 200, 9), np.full(9, 60.0)])
+    drawn = Sketch((Stroke(line, StrokeKind.FEATURE), Stroke(line + [0, 40])))
+    pieces = (Stroke(line[:5], StrokeKind.SILHOUETTE, "nose"), Stroke(line[4:], StrokeKind.WRINKLE, "brow_left"))
+    left = reconstruct_sketch._without(drawn.with_strokes(pieces), "nose", drawn)
+    assert [(stroke.curve, stroke.kind) for stroke in left.strokes] == [(None, "feature"), ("brow_left", "wrinkle")]

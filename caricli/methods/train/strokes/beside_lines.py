@@ -16,7 +16,7 @@ class BesideSettings:
     """Chances, 0 to 1, that a sketch has such lines.
 
     bare: that it has none of them. iris, pupil: the latter of a sketch with irises. glasses, hair, hairline, strands,
-    neck, collar, whorl, teeth: the like. strays: lines of no meaning in the mean.
+    neck, collar, whorl, teeth: the like. strays: how many lines of no meaning in the mean.
     """
 
     bare: float = 0.25

@@ -23,12 +23,12 @@ _SIDED = ("brow", "eye", "ear")
 class PageSettings:
     """What artists do to faces, and leave out; lengths are shares of the face's height.
 
-    stretched: how much parts of the face become longer, in the mean of logarithms; widened: the same across. exact:
-    chance that features stay where they are. grown, aside, turned: of a feature, turned in radians. seldom: chance that
-    curves of SELDOM are left out, each kind by itself; ears, lips, lids, outline: that the ears, the outer lips, the
-    lower lids and the silhouette are. doubled: chance of brows in two lines; closed: of a closed mouth in one. bare:
-    that the silhouette goes from ear to ear, without a crown. broken: chance of a line to be interrupted. again: to be
-    drawn twice. tilt: of the page, degrees.
+    stretched: by how much parts of the face become longer or shorter, standard deviation of logarithms; widened: the
+    same across. exact: chance that features stay where they are. grown, aside, turned: of a feature, turned in radians.
+    seldom: chance that curves of SELDOM are left out, each kind by itself; ears, lips, lids, outline: that the ears,
+    the outer lips, the lower lids and the silhouette are. doubled: chance of brows in two lines; closed: of a closed
+    mouth in one. bare: that the silhouette goes from ear to ear, without a crown. broken: chance of a line to be
+    interrupted. again: to be drawn twice. tilt: of the page, degrees.
     """
 
     stretched: float = 0.15
@@ -89,7 +89,7 @@ class _Bending:
     """Makes some heights of a face longer and wider than others."""
 
     def __init__(self, low: np.ndarray, high: np.ndarray, longer: np.ndarray, wider: np.ndarray) -> None:
-        """low, high: (2,) of the box around it. longer, wider: factors at KNOTS heights, from above."""
+        """low, high: (2,) of the box around it. longer, wider: factors at ``_KNOTS`` heights, from above."""
         self.heights = np.linspace(low[1], high[1], len(longer))
         steps = np.diff(self.heights) * (longer[1:] + longer[:-1]) / 2
         self.places = low[1] + np.append(0, np.cumsum(steps))
@@ -193,7 +193,8 @@ def _as_drawn(curves: Curves, generator: np.random.Generator, own: PageSettings)
 
 
 def _without_crown(outline: np.ndarray, curves: Curves, generator: np.random.Generator) -> np.ndarray:
-    """What of a closed outline (N, 2) is below about the brows, the longest piece of it; all of an open one."""
+    """What of a closed outline (N, 2) lies between the first and the last point below about the brows; all of an open
+    one."""
     upper = [line for name, line in curves.items() if name.startswith(("brow", "eye"))]
     if not upper or not np.allclose(outline[0], outline[-1], atol=0.05 * np.ptp(outline, axis=0).max()):
         return outline
