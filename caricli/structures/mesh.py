@@ -59,7 +59,8 @@ class Mesh:
 
     @cached_property
     def topology_id(self) -> str:
-        """SHA-256 of the triangles: two meshes that share it can take each other's vertices."""
+        """SHA-256 of the triangles, and of how many vertices come after the last in one: two meshes that share it can
+        take each other's vertices."""
         return topology_id(self.faces, len(self.vertices) - int(self.faces.max(initial=-1)) - 1)
 
     @property
