@@ -3,6 +3,7 @@ import re
 import runpy
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -145,6 +146,49 @@ def test_link_check_sees_what_is_broken(tmp_path):
         "[e](README.md#part) `[f](code.md)`\n```\n[g](code.md)\n```\n[h](<gone.txt>)"
     )
     assert broken_links(page, text) == ["gone.md", "gone.png", "gone.jpg", "gone.txt"]
+
+
+ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text("utf-8")
+
+
+def floors():
+    """What docs/architecture.md says of every folder of the package, by its name, in their order."""
+    listed = ARCHITECTURE.partition("\ncaricli/\n")[2].partition("```")[0]
+    entries = re.findall(r"^  (\w+)/\S*(.*(?:\n {3,}.*)*)", listed, re.M)
+    return {name: " ".join(text.split()) for name, text in entries}
+
+
+def folders(path):
+    return {folder.name for folder in path.iterdir() if folder.is_dir() and folder.name != "__pycache__"}
+
+
+def test_every_folder_of_the_package_is_a_floor():
+    assert set(floors()) == folders(ROOT / "caricli")
+
+
+def test_every_wing_is_named():
+    wings = floors()["methods"].partition(": ")[2].split(", ")
+    assert sorted(wing.split()[0] for wing in wings) == sorted(folders(ROOT / "caricli" / "methods"))
+
+
+@pytest.mark.parametrize("floor", ["geometry", "io", "render", "studio"])
+def test_every_room_is_named(floor):
+    assert set(re.findall(r"(\w+)/", floors()[floor])) == folders(ROOT / "caricli" / floor)
+
+
+def test_imports_point_as_they_are_told():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    contract = project["tool"]["importlinter"]["contracts"][0]
+    told = re.findall(r"\w+", re.search(r"`(errors ←[^`]*)`", ARCHITECTURE)[1])
+    assert told[1:] == [layer for layer in reversed(contract["layers"]) if "|" not in layer and "__" not in layer]
+    assert told[1:-1] == [name for name in floors() if name != "assets"]
+
+
+def test_only_those_see_paths_of_whom_it_is_told():
+    told = re.search(r"Only ([^.]*) see\s+paths", ARCHITECTURE)[1]
+    sources = (ROOT / "caricli").glob("*/**/*.py")
+    seeing = {path for path in sources if re.search(r"^\s*(?:from|import) pathlib", path.read_text("utf-8"), re.M)}
+    assert set(re.findall(r"\w+(?=`)", told)) == {path.relative_to(ROOT / "caricli").parts[0] for path in seeing}
 
 
 def test_every_asset_is_described():
