@@ -3,16 +3,21 @@ import re
 import runpy
 import subprocess
 import sys
+import textwrap
 import tomllib
 from pathlib import Path
+from types import ModuleType
 from urllib.parse import unquote
 
 import click
+import numpy as np
 import pytest
+from click.testing import CliRunner
 from PIL import Image, ImageChops, ImageStat
 
 import caricli
 from caricli.cli import COMMANDS, cli
+from caricli.io.meshes.mesh import read_mesh, write_mesh
 
 ROOT = Path(caricli.__file__).parents[1]
 ASSETS = ROOT / "caricli" / "assets"
@@ -189,6 +194,21 @@ def test_only_those_see_paths_of_whom_it_is_told():
     sources = (ROOT / "caricli").glob("*/**/*.py")
     seeing = {path for path in sources if re.search(r"^\s*(?:from|import) pathlib", path.read_text("utf-8"), re.M)}
     assert set(re.findall(r"\w+(?=`)", told)) == {path.relative_to(ROOT / "caricli").parts[0] for path in seeing}
+
+
+def test_the_new_command_of_contributing_runs_as_it_stands(head_template, tmp_path, monkeypatch):
+    chapter = (ROOT / "CONTRIBUTING.md").read_text("utf-8").partition("## A new command\n")[2].partition("\n## ")[0]
+    method, written = map(textwrap.dedent, re.findall(r"^ +```python\n(.*?)^ +```", chapter, re.M | re.S))
+    module = ModuleType("caricli.methods.faces.mirror_face")
+    exec(method, vars(module))
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    names = {}
+    exec(written, names)
+    write_mesh(tmp_path / "face.obj", head_template.with_vertices(head_template.vertices + [0.01, 0, 0]))
+    paths = [str(tmp_path / name) for name in ("face.obj", "mirrored.obj")]
+    result = CliRunner().invoke(names["command"], [paths[0], "--out", paths[1]])
+    assert result.exit_code == 0 and re.fullmatch(r".*mirrored\.obj: mirrored, .* s\n", result.output), result.output
+    np.testing.assert_allclose(read_mesh(paths[1]).vertices, head_template.vertices - [0.01, 0, 0], atol=1e-4)
 
 
 def test_every_asset_is_described():
