@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from caricli.data import picture_set, sketch_set, texture_set
+from caricli.data.dataset import MANIFEST as DATASET_MANIFEST
 from caricli.data.dataset import SCHEMA as DATASET_SCHEMA
 from caricli.data.dataset import read_dataset
 from caricli.data.expressions import NEUTRAL, read_expressions
@@ -75,6 +76,7 @@ _JSON: dict[str, Callable[[Path], Any]] = {
     texture_set.SCHEMA: lambda path: texture_set.read_texture_set(path.parent),
 }
 _FOLDERS: dict[str, Callable[[Path], Any]] = {
+    DATASET_MANIFEST: read_dataset,
     picture_set.MANIFEST: picture_set.read_picture_set,
     sketch_set.MANIFEST: sketch_set.read_sketch_set,
     texture_set.MANIFEST: texture_set.read_texture_set,
@@ -111,8 +113,7 @@ def load_any(path: Path) -> Any:
     Raises InputError when it is none of them, or damaged.
     """
     if path.is_dir():
-        reader = next((read for name, read in _FOLDERS.items() if (path / name).exists()), read_dataset)
-        return reader(path)
+        return _folder_reader(path)(path)
     return _reader(without_utf16(read_start(path, _START, _EXPECTED)), path)(path)
 
 
@@ -134,6 +135,17 @@ def files_beside(path: Path) -> list[str]:
             pictures = [picture for picture in material_pictures(path).values() if os.path.isfile(picture)]
             names |= {picture.relative_to(path.parent).as_posix() for picture in pictures}
     return sorted(names)
+
+
+def _folder_reader(folder: Path) -> Callable[[Path], Any]:
+    """The function that reads a folder. Raises InputError for one without a manifest."""
+    for name, read in _FOLDERS.items():
+        if (folder / name).exists():
+            return read
+    raise InputError(
+        f"{shown(folder)}: expected a folder of a dataset, of pictures, sketches or textures, found none of "
+        f"{', '.join(_FOLDERS)} in it: its making was stopped, or it is another: give a file of it"
+    )
 
 
 def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:

@@ -135,7 +135,7 @@ def test_other_arrays_folders_and_nothing_are_refused(tmp_path):
     write_npz(tmp_path / "a.npz", {"colour": np.zeros(3)})
     with pytest.raises(InputError, match="found an NPZ with colour"):
         load_any(tmp_path / "a.npz")
-    with pytest.raises(InputError, match="no dataset.json in this folder"):
+    with pytest.raises(InputError, match="found none of dataset.json, pictures.json, sketches.json, textures.json in"):
         load_any(tmp_path)
     with pytest.raises(InputError, match="found no such file"):
         load_any(tmp_path / "none")
