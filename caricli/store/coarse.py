@@ -3,10 +3,9 @@
 from pathlib import Path
 
 from caricli.errors import InputError, shown
-from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
 from caricli.models.coarse.model import CoarseModel, coarse_from_checkpoint
 from caricli.models.morphable.model import MorphableModel
+from caricli.store.bundled import load_bundled
 from caricli.store.models import load_morphable
 
 BUNDLED = "coarse.safetensors"
@@ -17,8 +16,7 @@ def load_coarse(path: Path | None = None) -> CoarseModel:
 
     Raises InputError when it is none, damaged, or not there.
     """
-    file = asset_path(BUNDLED) if path is None else path
-    return coarse_from_checkpoint(*read_checkpoint(file), shown(file))
+    return load_bundled(BUNDLED, coarse_from_checkpoint, path)
 
 
 def load_coarse_pair(path: Path | None = None, model: Path | None = None) -> tuple[CoarseModel, MorphableModel]:

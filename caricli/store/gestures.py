@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-from caricli.errors import shown
-from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
 from caricli.models.gesture.model import GestureModel, gesture_from_checkpoint
+from caricli.store.bundled import load_bundled
 
 BUNDLED = "gesture.safetensors"
 
@@ -15,5 +13,4 @@ def load_gestures(path: Path | None = None) -> GestureModel:
 
     Raises InputError when it is none, damaged, or not there.
     """
-    file = asset_path(BUNDLED) if path is None else path
-    return gesture_from_checkpoint(*read_checkpoint(file), shown(file))
+    return load_bundled(BUNDLED, gesture_from_checkpoint, path)

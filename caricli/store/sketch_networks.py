@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from caricli.errors import InputError, shown
-from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
 from caricli.models.bilinear.model import BilinearModel
 from caricli.models.linear_model import LinearModel
 from caricli.models.shape_model import ShapeModel
 from caricli.models.sketch.model import SketchModel, sketch_from_checkpoint
+from caricli.store.bundled import load_bundled
 from caricli.store.models import load_model
 
 BUNDLED = "sketch.safetensors"
@@ -23,8 +22,7 @@ def load_sketch_network(path: Path | None = None) -> SketchModel:
 
     Raises InputError when it is none, damaged, or not there.
     """
-    file = asset_path(BUNDLED) if path is None else path
-    return sketch_from_checkpoint(*read_checkpoint(file), shown(file))
+    return load_bundled(BUNDLED, sketch_from_checkpoint, path)
 
 
 def load_sketch_basis(path: str | Path | None = None) -> LinearModel:

@@ -6,11 +6,10 @@ import cv2
 import numpy as np
 
 from caricli.errors import CaricliError, InputError, shown
-from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
 from caricli.io.image import read_image
 from caricli.methods.dynamic.styles import StyleBook, drawn_faces
 from caricli.models.style.model import StyleModel, style_from_checkpoint
+from caricli.store.bundled import load_bundled
 from caricli.store.pictures import pictures_in
 from caricli.template.head import load_head
 
@@ -31,8 +30,7 @@ def load_style(path: Path | None = None) -> StyleModel:
 
     Raises InputError when it is none, damaged, or not there.
     """
-    file = asset_path(BUNDLED) if path is None else path
-    return style_from_checkpoint(*read_checkpoint(file), shown(file))
+    return load_bundled(BUNDLED, style_from_checkpoint, path)
 
 
 def load_style_drawings(folder: Path) -> tuple[dict[Path, np.ndarray], list[str]]:

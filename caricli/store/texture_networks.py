@@ -5,12 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from caricli.data.expressions import named_expressions
-from caricli.errors import shown
-from caricli.io.bundled import asset_path
-from caricli.io.checkpoint import read_checkpoint
 from caricli.methods.dynamic.change_atlas import change_atlas
 from caricli.methods.dynamic.rig_moods import USUAL_MOODS, MoodPainter
 from caricli.models.texture.model import TextureModel, texture_from_checkpoint
+from caricli.store.bundled import load_bundled
 from caricli.structures import Rig
 
 BUNDLED = "texture.safetensors"
@@ -21,8 +19,7 @@ def load_texture_network(path: Path | None = None) -> TextureModel:
 
     Raises InputError when it is none, damaged, or not there.
     """
-    file = asset_path(BUNDLED) if path is None else path
-    return texture_from_checkpoint(*read_checkpoint(file), shown(file))
+    return load_bundled(BUNDLED, texture_from_checkpoint, path)
 
 
 def paint_moods(rig: Rig, painter: MoodPainter, expressions: Mapping[str, Mapping[str, float]]) -> Rig:
