@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from caricli.data.dataset import SCHEMA
+from caricli.data.dataset import MANIFEST, SCHEMA
 from caricli.io.npz import write_npz
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import write_json
@@ -57,4 +57,4 @@ class DatasetWriter:
             "labels": {"file": "labels.npz", "sha256": sha256_file(self.folder / "labels.npz")},
             "shards": self.shards,
         }
-        write_json(self.folder / "dataset.json", value)
+        write_json(self.folder / MANIFEST, value)

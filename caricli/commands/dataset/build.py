@@ -71,12 +71,13 @@ def command(out, count, identities, expressions, levels, own, albedos, albedo_si
     from caricli.commands.shared.progress import progress_bar
     from caricli.data.build_dataset import build_dataset
     from caricli.data.build_settings import BuildSettings, OwnSettings
+    from caricli.data.dataset import MANIFEST
 
     if own and count is None:
         raise click.UsageError("--own is for --count.")
     if not albedos:
         refuse_typed("--albedo-size is of the pictures of --albedo.", "albedo_size")
     settings = (OwnSettings if own else BuildSettings)(count, identities, expressions, levels, seed)
-    with staged_folder(out, overwrite=overwrite, marker="dataset.json") as temporary, progress_bar("meshes") as report:
+    with staged_folder(out, overwrite=overwrite, marker=MANIFEST) as temporary, progress_bar("meshes") as report:
         summary = build_dataset(temporary, settings, workers, report, albedos, albedo_size)
     echo_result(f"{out}: {summary['meshes']} meshes, flipped triangles {100 * summary['flipped']:.3f} %")

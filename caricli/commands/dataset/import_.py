@@ -43,11 +43,12 @@ def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
       caricli dataset import scans dataset --annotation annotation.json --labels labels.csv --unit cm
     """
     from caricli.commands.shared.progress import progress_bar
+    from caricli.data.dataset import MANIFEST
     from caricli.data.import_dataset import ImportSettings, import_dataset
 
     inputs = (obj_dir, annotation, labels)
     with (
-        staged_folder(out, overwrite=overwrite, inputs=inputs, marker="dataset.json") as temporary,
+        staged_folder(out, overwrite=overwrite, inputs=inputs, marker=MANIFEST) as temporary,
         progress_bar("meshes") as report,
     ):
         summary = import_dataset(obj_dir, temporary, annotation, labels, ImportSettings(unit, seed), report)

@@ -70,7 +70,7 @@ def command(dataset, out, config, overrides, seeds, device, overwrite):
     from caricli.commands.shared.progress import progress_bar
     from caricli.commands.shared.tables import print_table
     from caricli.commands.shared.training import chosen_device, network_points
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.methods.evaluate.evaluate_ablation import NETWORKS, ablation_meshes, evaluate_seeds
     from caricli.models.ablation.config import AblationConfig
     from caricli.store.datasets import dataset_files
@@ -83,7 +83,7 @@ def command(dataset, out, config, overrides, seeds, device, overwrite):
         progress_bar(f"training {len(NETWORKS)} networks") as report,
     ):
         data = read_dataset(dataset)
-        recipe = provenance("evaluate ablation", [dataset / "dataset.json"], settings.seed, config=asdict(settings))
+        recipe = provenance("evaluate ablation", [dataset / MANIFEST], settings.seed, config=asdict(settings))
         meshes = ablation_meshes(data, network_points(data.template), settings, place)
         rows = evaluate_seeds(data.template, meshes, settings, seeds or (settings.seed,), report)
         _write(folder, rows, recipe | {"meshes": len(meshes.shapes), "unseen": len(meshes.unseen)})

@@ -66,7 +66,7 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
       caricli evaluate blendshapes --data grid --out expressions
       caricli evaluate blendshapes --data grid --everyone --given any --face drawing.npz --out expressions
     """
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.data.unseen import unseen_data
     from caricli.methods.evaluate.blendshape_sheet import BlendshapeSheet
     from caricli.methods.evaluate.evaluate_blendshapes import dataset_caricatures, dataset_expressions
@@ -87,7 +87,7 @@ def command(dataset, out, count, everyone, given, faces, seed, overwrite):
         sheet = BlendshapeSheet(tools, SHOWN, SIZE)
         tally = _evaluate(caricatures, given, seed, sheet)
         _add_drawings(sheet, distinct_names(faces), drawings)
-        recipe = provenance("evaluate blendshapes", [dataset / "dataset.json", *faces], seed, given=given)
+        recipe = provenance("evaluate blendshapes", [dataset / MANIFEST, *faces], seed, given=given)
         write_json(folder / "blendshapes.json", recipe | unseen.figures | tally.summary)
         write_png(folder / "blendshapes.png", sheet.image)
     _print(out, tally, unseen.note)

@@ -80,7 +80,7 @@ def command(dataset, out, count, everyone, noise, pictures, pts_origin, seed, ov
       caricli evaluate portrait --data dataset --out portraits
       caricli evaluate portrait --data dataset --count 10 --pictures drawings --out portraits
     """
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.data.unseen import unseen_data
     from caricli.methods.evaluate.evaluate_portrait import PICTURES, RENDERED, RenderedPortraits, RenderSettings
     from caricli.store.datasets import dataset_files
@@ -97,7 +97,7 @@ def command(dataset, out, count, everyone, noise, pictures, pts_origin, seed, ov
             unseen = unseen_data(data, {kind: model.seen for kind, model in models.items()}, everyone)
             sets = {RENDERED: RenderedPortraits(unseen.data, RenderSettings(count, SIZE, noise, seed))} | sets
         tally, sheet = _evaluate(sets, models)
-        recipe = provenance("evaluate portrait", [dataset / "dataset.json", *files], seed)
+        recipe = provenance("evaluate portrait", [dataset / MANIFEST, *files], seed)
         about = {"noise": noise, "size": SIZE, "texture": TEXTURE}
         about["models"] = {kind: model.model_id for kind, model in models.items()}
         write_json(folder / "portrait.json", recipe | about | unseen.figures | tally.summary)

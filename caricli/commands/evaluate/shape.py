@@ -38,7 +38,7 @@ def command(models, dataset, out, count, everyone, overwrite):
       caricli evaluate shape run/model.safetensors kernel --data dataset --everyone --count 100
     """
     from caricli.commands.shared.tables import print_table
-    from caricli.data.dataset import SPLITS, read_dataset
+    from caricli.data.dataset import MANIFEST, SPLITS, read_dataset
     from caricli.data.unseen import unseen_data
     from caricli.methods.evaluate.evaluate_shape import evaluate_splits
     from caricli.store.datasets import dataset_files
@@ -56,7 +56,7 @@ def command(models, dataset, out, count, everyone, overwrite):
             results[str(path)] = {split: asdict(error) for split, error in errors.items()}
             rows.append((*_about(path, model), *(_cell(errors.get(split)) for split in SPLITS), _spread(errors)))
         if temporary:
-            recipe = provenance("evaluate shape", [*models, dataset / "dataset.json"])
+            recipe = provenance("evaluate shape", [*models, dataset / MANIFEST])
             write_json(temporary, recipe | unseen.figures | {"models": results})
     echo_notes(unseen.note)
     print_table(("model", "kind", "D", *(f"{split} mm (%)" for split in SPLITS), "test latent rms"), rows)

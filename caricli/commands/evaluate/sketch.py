@@ -67,6 +67,7 @@ def command(dataset, networks, models, trained, out, count, everyone, seed, over
       caricli evaluate sketch --data people --out figures
       caricli evaluate sketch --data people --network run/model.safetensors --everyone --out figures
     """
+    from caricli.data.dataset import MANIFEST
     from caricli.methods.evaluate.evaluate_sketch import TENTH, UNSEEN
     from caricli.render.sheets.error_maps import error_maps
     from caricli.store.datasets import dataset_files
@@ -75,7 +76,7 @@ def command(dataset, networks, models, trained, out, count, everyone, seed, over
     with staged_folder(out, overwrite=overwrite, inputs=(dataset, *inputs), marker="sketch.json") as folder:
         rivals, unseen = _rivals(dataset, networks, models, everyone)
         tables, counts, gallery = _evaluate(rivals, unseen.data, trained, count, seed)
-        recipe = provenance("evaluate sketch", [dataset / "dataset.json", *networks, *models], seed)
+        recipe = provenance("evaluate sketch", [dataset / MANIFEST, *networks, *models], seed)
         own = tables[UNSEEN].as_json() | ({TENTH.replace(" ", "_"): tables[TENTH].as_json()} if trained else {})
         write_json(folder / "sketch.json", recipe | unseen.figures | counts | own)
         write_png(folder / "errors.png", error_maps(rivals.model.template, tables[UNSEEN].maps))

@@ -37,7 +37,7 @@ def train_and_write(
     """Train a model of components, and write it with a JSON of recipe and errors beside it."""
     from caricli.commands.shared.progress import progress_bar
     from caricli.commands.shared.tables import shape_errors
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.data.unseen import seen_people
     from caricli.io.checkpoint import write_checkpoint
     from caricli.methods.train.train_linear import train_linear
@@ -51,7 +51,7 @@ def train_and_write(
         progress_bar(f"training {kind}") as report,
     ):
         data = read_dataset(dataset)
-        recipe = provenance(f"train {kind}", [dataset / "dataset.json"], settings.seed, config=asdict(settings))
+        recipe = provenance(f"train {kind}", [dataset / MANIFEST], settings.seed, config=asdict(settings))
         recipe |= seen_people(data).as_recipe()
         training = train_linear(kind, data, settings, recipe, report)
         write_checkpoint(model_file, *training.checkpoint)

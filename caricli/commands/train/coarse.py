@@ -53,6 +53,7 @@ def command(datasets, pictures, out, model, detector, config, overrides, resume,
       caricli train coarse --data people --pictures pictures --data others --pictures their-pictures --out run
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
+    from caricli.data.dataset import MANIFEST
     from caricli.methods.train.coarse.train_coarse import CoarseTraining
     from caricli.methods.train.processes import training_processes
     from caricli.models.coarse.config import CoarseConfig
@@ -63,7 +64,7 @@ def command(datasets, pictures, out, model, detector, config, overrides, resume,
     with training_processes("cpu") as share:
         with progress_bar("looking for faces") as progress:
             given = load_ingredients(datasets, pictures, model, detector, progress)
-        sources = [*(folder / "dataset.json" for folder in datasets), model, detector]
+        sources = [*(folder / MANIFEST for folder in datasets), model, detector]
         recipe = provenance("train coarse", sources, config=asdict(settings))
         recipe |= given.recipe | {"inputs": recipe["inputs"] | given.inputs}
         beginning = Beginning(resume, overwrite, share.process == 0, (*datasets, *pictures, model, detector, config))

@@ -48,7 +48,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
     from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.commands.shared.tables import shape_errors
     from caricli.commands.shared.training import chosen_device, network_points
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.data.unseen import seen_people
     from caricli.methods.train.deformable.train_deformable import train_deformable
     from caricli.methods.train.processes import training_processes
@@ -59,7 +59,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
     place = chosen_device(device)
     with training_processes(place) as share:
         data = read_dataset(dataset)
-        recipe = provenance("train deformable", [dataset / "dataset.json", template], config=asdict(settings))
+        recipe = provenance("train deformable", [dataset / MANIFEST, template], config=asdict(settings))
         recipe |= seen_people(data).as_recipe()
         run = TrainingRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (dataset, template, config)))
         training = train_deformable(data, network_points(data.template, template), settings, place, share)

@@ -43,7 +43,7 @@ def command(dataset, out, config, overrides, seed, overwrite):
       caricli train landmark-map --data dataset --out small.safetensors --set styles=1 --seed 1
     """
     from caricli.commands.shared.progress import progress_bar
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.methods.train.train_landmark_map import train_landmark_map
     from caricli.models.landmark_map.config import LandmarkMapConfig
     from caricli.store.datasets import dataset_files
@@ -52,7 +52,7 @@ def command(dataset, out, config, overrides, seed, overwrite):
     report_file = out.with_suffix(".json")
     with staged(out, report_file, overwrite=overwrite, inputs=(dataset, config, *dataset_files(dataset))) as files:
         data = read_dataset(dataset)
-        recipe = provenance("train landmark-map", [dataset / "dataset.json"], seed, config=asdict(settings))
+        recipe = provenance("train landmark-map", [dataset / MANIFEST], seed, config=asdict(settings))
         with naming(dataset):
             training = train_landmark_map(data, settings, seed, recipe, progress_bar)
         write_checkpoint(files[0], *training.checkpoint)

@@ -44,7 +44,7 @@ def command(dataset, out, model, wanted, count, seed, overwrite):
     """
     from caricli.commands.shared.progress import progress_bar
     from caricli.commands.shared.tables import print_directions
-    from caricli.data.dataset import read_dataset
+    from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.data.unseen import seen_people
     from caricli.methods.train.train_semantic import LabelChoice, train_semantic
     from caricli.store.datasets import dataset_files
@@ -57,7 +57,7 @@ def command(dataset, out, model, wanted, count, seed, overwrite):
         check_topology(shape_model.template, data.template, model or DEFAULT_LATENT)
         with naming(dataset):
             learnt, skipped = train_semantic(shape_model, data, LabelChoice(wanted, count or 0, seed), progress_bar)
-        recipe = provenance("train semantic", [dataset / "dataset.json"], seed, meshes=learnt.count)
+        recipe = provenance("train semantic", [dataset / MANIFEST], seed, meshes=learnt.count)
         recipe |= seen_people(data).as_recipe()
         write_directions(files[0], replace(learnt, recipe=recipe))
         figures = {"model_id": learnt.model_id, "labels": learnt.figures, "skipped": skipped}

@@ -45,6 +45,7 @@ def command(datasets, out, model, config, overrides, resume, overwrite):
       caricli train sketch --data grid --model bilinear.safetensors --config published.yaml --out pixel_shape
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
+    from caricli.data.dataset import MANIFEST
     from caricli.data.unseen import everybody
     from caricli.methods.train.processes import training_processes
     from caricli.models.sketch.config import SketchConfig
@@ -54,7 +55,7 @@ def command(datasets, out, model, config, overrides, resume, overwrite):
     settings = read_config(config, SketchConfig, overrides)
     with training_processes("cpu") as share:
         people, basis = load_sketch_ingredients(datasets, model, settings)
-        sources = [*(folder / "dataset.json" for folder in datasets), model]
+        sources = [*(folder / MANIFEST for folder in datasets), model]
         recipe = provenance("train sketch", sources, config=asdict(settings)) | everybody(people).as_recipe()
         run = SketchRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (*datasets, model, config)))
         with progress_bar("wrinkles") as report:

@@ -31,6 +31,7 @@ def command(datasets, out, config, overrides, resume, overwrite):
       caricli train strokes --data people --data own --out run --resume
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
+    from caricli.data.dataset import MANIFEST
     from caricli.data.unseen import everybody
     from caricli.methods.train.processes import training_processes
     from caricli.methods.train.strokes.train_strokes import StrokesTraining
@@ -41,7 +42,7 @@ def command(datasets, out, config, overrides, resume, overwrite):
     settings = read_config(config, StrokesConfig, overrides)
     with training_processes("cpu") as share:
         people = load_people(datasets)
-        recipe = provenance("train strokes", [folder / "dataset.json" for folder in datasets], config=asdict(settings))
+        recipe = provenance("train strokes", [folder / MANIFEST for folder in datasets], config=asdict(settings))
         recipe |= everybody(people).as_recipe()
         run = StrokesRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (*datasets, config)))
         with progress_bar("wrinkles") as report:
