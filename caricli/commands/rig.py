@@ -27,6 +27,7 @@ from caricli.io.provenance import provenance
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
 from caricli.structures import HeadChoice, Mood
+from caricli.structures.frame import AXES, UNITS
 from caricli.structures.head_choice import WHOLE
 
 
@@ -154,7 +155,7 @@ class RigTask:
                 rest = _rest(given, self.neutral)
                 result = make_rig(rest.mesh, expressions, settings, images, given=given)
             result = replace(result, rig=_changing(result.rig, moods))
-            about = {"subdivide": self.levels, "sparse": self.sparse, "units": "m", "axes": "+y up, +z front"}
+            about = {"subdivide": self.levels, "sparse": self.sparse, "units": UNITS, "axes": AXES}
             description = provenance("rig", inputs, self.seed, **about)
             do_in_parallel(
                 partial(_report, json, others, result, rest, given, description),

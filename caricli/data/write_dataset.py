@@ -10,6 +10,7 @@ from caricli.data.dataset import MANIFEST, SCHEMA
 from caricli.io.npz import write_npz
 from caricli.io.provenance import sha256_file
 from caricli.io.strict_json import write_json
+from caricli.structures.frame import AXES, UNITS
 from caricli.template.own_parts import parts_to_arrays
 from caricli.template.template import Template
 
@@ -48,8 +49,8 @@ class DatasetWriter:
         write_npz(self.folder / "labels.npz", dict(labels))
         value = {
             "schema": SCHEMA,
-            "units": "m",
-            "axes": "+y up, +z front",
+            "units": UNITS,
+            "axes": AXES,
             "topology_id": self.template.topology_id,
             **manifest,
             "annotation": self.template.annotation.source,

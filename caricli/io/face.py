@@ -14,14 +14,13 @@ from caricli.io.npz import read_npz, take_texts, write_npz
 from caricli.io.worn import PictureNames, plain_name, read_pictures, write_pictures
 from caricli.limits import MAX_VERTICES
 from caricli.structures import Camera, Face, Hair, Mesh
+from caricli.structures.frame import AXES, UNITS
 from caricli.structures.mesh import topology_id
 from caricli.structures.pictures import PICTURED
 
 SCHEMA = "caricli.face/1"
 _KIND = "a face (NPZ) or a mesh (OBJ, PLY, STL, GLB, glTF)"
 _START = 256  # bytes that tell one kind of file from another
-UNITS = "m"
-AXES = "+y up, +z front"
 
 _PICTURES = [f"{name}_picture" for name in PICTURED.values()]
 # In the order in which they are written.

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.face import AXES, UNITS
 from caricli.io.meshes.mesh_arrays import MESH_DTYPES, mesh_from_arrays, mesh_to_arrays
 from caricli.io.npz import read_npz, take_texts, write_npz
 from caricli.structures import Camera, Depiction, Mood, Pictures, Rig
 from caricli.structures.change_atlas import ChangeAtlas
+from caricli.structures.frame import AXES, UNITS
 
 SCHEMA = "caricli.rig/1"
 

@@ -14,6 +14,7 @@ from caricli.errors import CaricliError, UsageError, naming
 from caricli.io.provenance import provenance
 from caricli.io.session import read_session
 from caricli.io.strict_json import write_json
+from caricli.structures.frame import AXES, UNITS
 
 _SIZE = 320
 """Pixels, width and height of a view in the picture."""
@@ -40,7 +41,7 @@ def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -
             work = deque((begun, *replay(begun, session.operations, tools)), 1).pop()
             face = Poser(tools).face(work)
         write_face_files(mesh, npz, face)
-        about = {"operations": len(session.operations), "units": "m", "axes": "+y up, +z front"}
+        about = {"operations": len(session.operations), "units": UNITS, "axes": AXES}
         write_json(report, provenance("studio", [path, source]) | about)
         drawing = FaceDrawing(tools.model, fine_mesh(tools.model.template, 0), _SIZE)
         write_picture(picture, lambda: contact_sheet(drawing.draw(face)))

@@ -25,6 +25,7 @@ from caricli.limits import (
 )
 from caricli.structures import Material, Mesh
 from caricli.structures.checks import repeats
+from caricli.structures.frame import AXES, UNITS
 from caricli.structures.materials import FINISHES, MATERIALS, Finish
 
 _KIND = "an OBJ file"
@@ -97,7 +98,7 @@ def write_obj(
     Raises OutputError when a texture is no plain file name or has no UVs to sit on, or a file cannot be written.
     """
     path = Path(path)
-    lines = ["# units m, axes +y up, +z front\n"]
+    lines = [f"# units {UNITS}, axes {AXES}\n"]
     kinds = np.zeros(len(mesh.polygons), int) if materials is None else materials
     surfaces: dict[str, str | Finish | None] = {_name(kind): None for kind in np.unique(kinds).tolist()}
     surfaces[_SKIN] = texture

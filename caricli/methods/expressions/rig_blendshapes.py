@@ -9,6 +9,7 @@ from caricli.methods.expressions.measure_blendshapes import BlendshapeMeasures, 
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.rig.make_rig import RigResult, RigSettings, make_rig
 from caricli.structures import Depiction, Face, Pictures
+from caricli.structures.frame import AXES, UNITS
 
 
 def rig_blendshapes(
@@ -57,8 +58,8 @@ def _figures(blendshapes: Blendshapes, measures: BlendshapeMeasures, tools: Expr
         "expressions": rows,
         "structure": measures.structure,
         "normal_face": {"nme": blendshapes.fit.nme, "prior_rms": blendshapes.fit.prior_rms},
-        "units": "m",
-        "axes": "+y up, +z front",
+        "units": UNITS,
+        "axes": AXES,
     }
 
 
