@@ -26,6 +26,7 @@ from caricli.commands.shared.options import (
 )
 from caricli.commands.shared.picture import picture_option
 from caricli.io.provenance import provenance
+from caricli.methods.edit.settings import MODES
 from caricli.structures import Directions
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ DRAWN = (0.0, 0.5, 1.0)
 )
 @click.option(
     "--mode",
-    type=click.Choice(["direction", "own"]),
+    type=click.Choice(MODES),
     default="direction",
     help="Go towards what caricatures have in common (direction), or away from the mean head (own).",
 )

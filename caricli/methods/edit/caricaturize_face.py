@@ -11,6 +11,7 @@ from caricli.geometry.alignment.similarity import similarity
 from caricli.geometry.repair.untangle import untangle
 from caricli.geometry.vertex_neighbours import vertex_neighbours
 from caricli.methods.edit.edit_semantic import SemanticEdit, edit_semantic, label_index
+from caricli.methods.edit.settings import MODES
 from caricli.methods.faces.encode_face import EncodedFace, encode_face, require_encoded
 from caricli.methods.faces.face_figures import face_figures
 from caricli.methods.faces.nearest_identity import likeness
@@ -19,9 +20,6 @@ from caricli.models.shape_model import ShapeModel
 from caricli.structures import Directions
 from caricli.template.annotation import DELICATE
 from caricli.template.template import Template
-
-MODES = ("direction", "own")
-"""Ways to exaggerate, see ``caricaturize_face``."""
 
 LABEL = "Caricature"
 """The label whose direction leads from regular faces to caricatures."""

@@ -10,6 +10,7 @@ from caricli.methods.edit.caricaturize_face import LABEL, caricaturize_face
 from caricli.methods.edit.edit_handles import edit_handles
 from caricli.methods.edit.edit_semantic import STRONGEST, SemanticEdit, edit_semantic
 from caricli.methods.edit.handle_points import handle_points
+from caricli.methods.edit.settings import MODES
 from caricli.methods.session.parameters import Parameters, choice, number, numbers, only, switch, texts
 from caricli.methods.session.tools import Tools
 from caricli.methods.session.work import Work
@@ -39,7 +40,7 @@ def caricaturize(work: Work, parameters: Parameters, tools: Tools) -> Work:
     """Exaggerate, as ``caricli caricaturize``. strength: from 0. mode: "direction" or "own"."""
     only(parameters, "strength", "mode")
     strength = number(parameters, "strength", 0, _MOST_STRENGTH)
-    mode = choice(parameters, "mode", ("direction", "own"), "direction")
+    mode = choice(parameters, "mode", MODES, "direction")
     face = caricaturize_face(work.face, tools.model, strength, mode, tools.directions)
     added = {LABEL: strength} if mode == "direction" else {}
     return replace(work, face=face, strengths=_added(work.strengths, added))

@@ -3,8 +3,9 @@
 from dataclasses import dataclass, field
 
 from caricli.geometry.deformation.smooth_displacement import Smoothness
+from caricli.methods.edit.settings import MODES
 
-SHAPES = ("map", "direction", "own", "none")
+SHAPES = ("map", *MODES, "none")
 """What a face becomes: as the landmark map sees it, more like all caricatures, more like itself, or what it is."""
 
 STYLES = ("oil", "watercolour", "ink", "flat", "pencil", "none")
