@@ -24,7 +24,7 @@ from caricli.commands.shared.options import (
     refuse_typed,
     subdivide_option,
 )
-from caricli.commands.shared.picture import picture_option
+from caricli.commands.shared.picture import SIZE, picture_option
 from caricli.io.provenance import provenance
 from caricli.methods.edit.settings import MODES
 from caricli.structures import Directions
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from caricli.methods.faces.draw_face import FaceDrawing
     from caricli.store.regular_faces import FaceLoader
 
-SIZE = 320
 DRAWN = (0.0, 0.5, 1.0)
 """Shares of the strength that the picture shows."""
 

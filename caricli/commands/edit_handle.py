@@ -18,11 +18,9 @@ from caricli.commands.shared.options import (
     overwrite_option,
     subdivide_option,
 )
-from caricli.commands.shared.picture import picture_option, refuse_undrawn
+from caricli.commands.shared.picture import SIZE, picture_option, refuse_undrawn
 from caricli.errors import UsageError, shown
 from caricli.io.provenance import provenance
-
-SIZE = 320
 
 
 @click.command()

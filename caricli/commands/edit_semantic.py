@@ -20,11 +20,9 @@ from caricli.commands.shared.options import (
     refuse_typed,
     subdivide_option,
 )
-from caricli.commands.shared.picture import picture_option, refuse_undrawn
+from caricli.commands.shared.picture import SIZE, picture_option, refuse_undrawn
 from caricli.commands.shared.tables import print_directions
 from caricli.io.provenance import provenance
-
-SIZE = 320
 
 
 @click.command()

@@ -3,15 +3,13 @@
 import click
 
 from caricli.commands.shared.options import PATH, model_option, out_folder_option, out_option, overwrite_option
-from caricli.commands.shared.picture import picture_files, picture_option
+from caricli.commands.shared.picture import SIZE, picture_files, picture_option
 from caricli.io.face import write_face
 from caricli.io.image import write_png
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
 from caricli.io.strict_json import write_json
 from caricli.io.worn import picture_outputs
-
-SIZE = 320
 
 
 @click.command()

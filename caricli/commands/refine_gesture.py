@@ -15,11 +15,9 @@ from caricli.commands.shared.options import (
     overwrite_option,
     subdivide_option,
 )
-from caricli.commands.shared.picture import picture_option
+from caricli.commands.shared.picture import SIZE, picture_option
 from caricli.errors import naming
 from caricli.io.provenance import provenance
-
-SIZE = 320
 
 
 @click.command()

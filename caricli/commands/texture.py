@@ -24,7 +24,7 @@ from caricli.commands.shared.options import (
     refuse_typed,
     seed_option,
 )
-from caricli.commands.shared.picture import picture_files, picture_option
+from caricli.commands.shared.picture import SIZE, picture_files, picture_option
 from caricli.errors import InputError, UsageError, naming, shown
 from caricli.io.image import read_image, write_png
 from caricli.io.outputs import staged_folder
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from caricli.template.template import Template
 
 REPORT = "face.json"
-SIZE = 320
 UVS = ("head", "arap")
 _OF_RETOUCHED = {"face", "image", "out", "retouched", "model", "overwrite"}
 _FILE_NAME = re.compile(r"\w[\w .-]{0,63}")

@@ -10,6 +10,9 @@ import numpy as np
 from caricli.commands.shared.options import refuse_typed
 from caricli.io.image import write_png
 
+SIZE = 320
+"""Pixels, width and height of a view in the picture, where a command has no reason for more or fewer."""
+
 _KEY = "caricli.picture"
 
 

@@ -11,7 +11,7 @@ from caricli.commands.rig import RigTask
 from caricli.commands.shared.fit_tasks import COARSE_TASKS
 from caricli.commands.shared.landmark_batch import FitTask, LandmarkFiles
 from caricli.commands.shared.notes import echo_notes
-from caricli.commands.shared.picture import without_picture
+from caricli.commands.shared.picture import SIZE, without_picture
 from caricli.commands.shared.progress import progress_bar
 from caricli.commands.stylise import StyliseTask
 from caricli.commands.texture import TextureTask
@@ -39,8 +39,6 @@ from caricli.store.portrait_page import (
 )
 from caricli.store.rig_sources import load_rig
 from caricli.store.shape_tools import load_shape_tools
-
-SIZE = 320
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,12 @@ from pathlib import Path
 import click
 
 from caricli.commands.shared.face_outputs import staged_face
-from caricli.commands.shared.picture import write_picture
+from caricli.commands.shared.picture import SIZE, write_picture
 from caricli.errors import CaricliError, UsageError, naming
 from caricli.io.provenance import provenance
 from caricli.io.session import read_session
 from caricli.io.strict_json import write_json
 from caricli.structures.frame import AXES, UNITS
-
-_SIZE = 320
-"""Pixels, width and height of a view in the picture."""
 
 
 def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -> int:
@@ -43,7 +40,7 @@ def replay_session(path: Path, start: Path | None, out: Path, overwrite: bool) -
         write_face_files(mesh, npz, face)
         about = {"operations": len(session.operations), "units": UNITS, "axes": AXES}
         write_json(report, provenance("studio", [path, source]) | about)
-        drawing = FaceDrawing(tools.model, fine_mesh(tools.model.template, 0), _SIZE)
+        drawing = FaceDrawing(tools.model, fine_mesh(tools.model.template, 0), SIZE)
         write_picture(picture, lambda: contact_sheet(drawing.draw(face)))
     return len(session.operations)
 
