@@ -122,16 +122,6 @@ class Sketch:
         """Other strokes on the same canvas."""
         return replace(self, strokes=tuple(strokes))
 
-    def points_by_curve(self) -> dict[str, np.ndarray]:
-        """Points (N, 2) of the strokes that have a curve's name. Raises InputError where two strokes have the same."""
-        named: dict[str, np.ndarray] = {}
-        for stroke in self.strokes:
-            if stroke.curve is not None:
-                if stroke.curve in named:
-                    refuse(f"strokes: expected every curve once, found {stroke.curve} twice")
-                named[stroke.curve] = stroke.points
-        return named
-
     def scaled(self, size: tuple[int, int]) -> Self:
         """The sketch on another canvas: centred in it, as large as fits. size: (width, height) pixels."""
         zoom = min(size[0] / self.size[0], size[1] / self.size[1])

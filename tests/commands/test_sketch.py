@@ -6,6 +6,7 @@ from caricli.io.image import read_image
 from caricli.io.sketches.sketch import read_sketch
 from caricli.structures import Face, Mesh, StrokeKind
 from caricli.structures.sketch import CURVES
+from tests.named_lines import points_by_curve
 
 
 @pytest.fixture(scope="module")
@@ -24,11 +25,11 @@ def front(run, face, tmp_path_factory):
 
 
 def test_all_curves_are_drawn_from_the_front_and_wrinkles_between_them(front):
-    assert front.points_by_curve().keys() == CURVES.keys()
+    assert points_by_curve(front).keys() == CURVES.keys()
     assert front.size == (256, 256)
     wrinkles = [stroke for stroke in front.strokes if stroke.kind is StrokeKind.WRINKLE and stroke.curve is None]
     assert 2 < len(wrinkles) <= 40
-    silhouette = front.points_by_curve()["silhouette"]
+    silhouette = points_by_curve(front)["silhouette"]
     for stroke in wrinkles:
         inside = (stroke.points > silhouette.min(0)) & (stroke.points < silhouette.max(0))
         assert inside.all()
@@ -41,7 +42,7 @@ def test_svg_and_png_show_the_same(run, face, front, tmp_path):
     assert [(s.kind, s.curve) for s in back.strokes] == [(s.kind, s.curve) for s in front.strokes]
     assert all(np.allclose(a.points, b.points, atol=1e-3) for a, b in zip(back.strokes, front.strokes, strict=True))
     ink = read_image(tmp_path / "s.png")[..., 0] < 128
-    x, y = np.round(front.points_by_curve()["nose"][1:-1]).astype(int).T
+    x, y = np.round(points_by_curve(front)["nose"][1:-1]).astype(int).T
     assert ink.shape == (256, 256) and ink[y, x].mean() > 0.9 and ink.mean() < 0.2
 
 
@@ -49,7 +50,7 @@ def test_from_aside_hidden_lines_are_left_out(run, face, front, tmp_path):
     result = run("sketch", face, "--out", tmp_path / "s.json", "--view", "-75,0", "--size", 128, "--no-wrinkles")
     assert result.exit_code == 0, result.output
     side = read_sketch(tmp_path / "s.json")
-    named = side.points_by_curve()
+    named = points_by_curve(side)
     # It looks to the left of the picture, so its left ear is seen.
     assert "ear_left" in named and "ear_right" not in named and "silhouette" not in named
     outline = [stroke for stroke in side.strokes if stroke.kind == StrokeKind.SILHOUETTE]

@@ -48,15 +48,6 @@ def test_too_much_is_refused():
         Sketch((), (0, 10))
 
 
-def test_a_curve_is_drawn_once():
-    nose = Stroke(RING, StrokeKind.FEATURE, "nose")
-    other = Stroke(RING)
-    named = Sketch((nose, other, other)).points_by_curve()
-    assert list(named) == ["nose"] and np.array_equal(named["nose"], RING)
-    with pytest.raises(InputError, match="nose twice"):
-        Sketch((nose, nose)).points_by_curve()
-
-
 def test_scaling_keeps_the_corners_of_the_canvas():
     # Corners lie half a pixel beside the centres of pixels.
     corners = np.array([[-0.5, -0.5], [99.5, 49.5]])

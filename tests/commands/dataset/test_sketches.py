@@ -9,6 +9,7 @@ from caricli.io.image import read_image
 from caricli.methods.sketch.draw_sketch import draw_curves
 from caricli.structures import Camera, StrokeKind
 from caricli.template.feature_curves import feature_curves
+from tests.named_lines import points_by_curve
 
 COUNT = 12
 
@@ -51,7 +52,7 @@ def test_exact_lines_are_where_the_camera_sees_them(run, dataset, tmp_path):
         camera = Camera(*(drawn.truth[key][number] for key in ("scale", "rotation", "translation")))
         row = drawn.truth["row"][number]
         assert drawn.truth["person"][number] == people.identity[row]
-        named = sketch.points_by_curve()
+        named = points_by_curve(sketch)
         for stroke in draw_curves(people.vertices[row], curves, camera):
             assert np.allclose(named[stroke.curve], stroke.points, atol=1e-2)
         assert any(stroke.kind == StrokeKind.WRINKLE for stroke in sketch.strokes)

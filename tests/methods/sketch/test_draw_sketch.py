@@ -2,13 +2,14 @@ import numpy as np
 
 from caricli.methods.sketch.draw_sketch import FILL, canvas_camera, draw_sketch
 from caricli.template.feature_curves import feature_curves
+from tests.named_lines import points_by_curve
 
 
 def test_strokes_are_the_projected_curves(head_template):
     curves = feature_curves(head_template.annotation)
     camera = canvas_camera(head_template.vertices, curves)
     sketch = draw_sketch(head_template.vertices, curves, camera)
-    named = sketch.points_by_curve()
+    named = points_by_curve(sketch)
     assert list(named) == [curve.name for curve in curves]
     for curve in curves:
         assert np.allclose(named[curve.name], camera.project(head_template.vertices[curve.vertices]))
@@ -28,7 +29,7 @@ def test_a_positive_yaw_looks_to_the_right_and_a_positive_pitch_down(head_templa
 
     def place(view):
         camera = canvas_camera(head_template.vertices, curves, view)
-        named = draw_sketch(head_template.vertices, curves, camera).points_by_curve()
+        named = points_by_curve(draw_sketch(head_template.vertices, curves, camera))
         return named["nose_tip"].mean(0) - np.mean([named["ear_left"].mean(0), named["ear_right"].mean(0)], axis=0)
 
     assert abs(place((0, 0))[0]) < 1 and place((20, 0))[0] > 10

@@ -4,6 +4,7 @@ import pytest
 from caricli.geometry.lines.match_line import resample
 from caricli.methods.sketch.line_handles import lines_by_curve
 from caricli.structures.sketch import Sketch, Stroke
+from tests.named_lines import points_by_curve
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +28,7 @@ def test_the_direction_of_a_stroke_does_not_count(sketch, handles, own):
 
 def test_a_curve_in_two_strokes_keeps_its_gap(sketch, handles, own):
     """Half of the lower lip is drawn from the left, half from the right, and the middle not at all."""
-    line = sketch.points_by_curve()["mouth_lower"]
+    line = points_by_curve(sketch)["mouth_lower"]
     count = len(line)
     places = handles.places({"mouth_lower": [line[: count // 2 - 1], line[count // 2 + 2 :][::-1]]}, own)
     rows = handles.rows["mouth_lower"]
@@ -38,20 +39,20 @@ def test_a_curve_in_two_strokes_keeps_its_gap(sketch, handles, own):
 
 
 def test_a_stroke_over_another_counts_half(sketch, handles, own):
-    line = sketch.points_by_curve()["brow_left"]
+    line = points_by_curve(sketch)["brow_left"]
     places = handles.places({"brow_left": [line, line + [0, 4]]}, own)
     np.testing.assert_allclose(places[handles.rows["brow_left"]][1:-1], (line + [0, 2])[1:-1], atol=1.5)
 
 
 def test_a_closed_stroke_that_comes_twice_counts_once(sketch, handles, own):
-    ring = sketch.points_by_curve()["silhouette"]
+    ring = points_by_curve(sketch)["silhouette"]
     once, twice = (handles.places({"silhouette": [ring] * count}, own) for count in (1, 2))
     np.testing.assert_allclose(once, twice)
 
 
 @pytest.mark.parametrize("shift", [0, 20])
 def test_a_closed_curve_may_begin_anywhere(sketch, handles, own, shift):
-    ring = sketch.points_by_curve()["silhouette"][:-1]
+    ring = points_by_curve(sketch)["silhouette"][:-1]
     turned = np.roll(ring, shift, axis=0)
     places = handles.places({"silhouette": [np.concatenate([turned, turned[:1]])]}, own)
     gaps = np.linalg.norm(places - own, axis=1)[handles.rows["silhouette"]]
@@ -61,7 +62,7 @@ def test_a_closed_curve_may_begin_anywhere(sketch, handles, own, shift):
 @pytest.mark.parametrize("over", [0, 5])
 def test_an_outline_is_the_same_in_both_directions(sketch, handles, own, over):
     """Also where a hand goes on beyond its beginning, and does not meet it."""
-    ring = sketch.points_by_curve()["silhouette"]
+    ring = points_by_curve(sketch)["silhouette"]
     bent = ring + 3 * np.sin(np.arange(len(ring)))[:, None]
     line = np.concatenate([bent, bent[1 : 1 + over] + [2, -2]])
     there, back = (handles.places({"silhouette": [each]}, own) for each in (line, line[::-1]))
@@ -72,7 +73,7 @@ def test_an_outline_is_the_same_in_both_directions(sketch, handles, own, over):
 
 def test_part_of_a_jaw_is_part_of_the_silhouette(sketch, handles, own):
     """The curve begins at the chin."""
-    ring = sketch.points_by_curve()["silhouette"][:-1]
+    ring = points_by_curve(sketch)["silhouette"][:-1]
     jaw = np.r_[-12:0, 0:13]
     places = handles.places({"silhouette": [ring[jaw]]}, own)
     rows = handles.rows["silhouette"][:-1]

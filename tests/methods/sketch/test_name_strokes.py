@@ -34,6 +34,7 @@ from caricli.structures.landmarks import (
 )
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
 from caricli.template.feature_curves import named_curves
+from tests.named_lines import points_by_curve
 
 
 def nameless(stroke):
@@ -192,7 +193,7 @@ def test_names_that_are_given_stay_and_others_are_none(sketch, handles, model):
 
 
 def test_closed_eyes_and_lips_become_two_strokes(sketch, handles, model):
-    lines = sketch.points_by_curve()
+    lines = points_by_curve(sketch)
     pairs = [("eye_upper_left", "eye_lower_left"), ("mouth_upper", "mouth_lower")]
     rings = [Stroke(np.concatenate([lines[a], lines[b][::-1]])[5:]) for a, b in pairs]
     rings = [ring.moved(np.concatenate([ring.points[:-1], ring.points[:1]])) for ring in rings]
@@ -208,7 +209,7 @@ def test_closed_eyes_and_lips_become_two_strokes(sketch, handles, model):
 
 
 def test_a_curve_in_two_strokes_is_one(sketch, handles, model):
-    line = sketch.points_by_curve()["silhouette"]
+    line = points_by_curve(sketch)["silhouette"]
     halves = [Stroke(line[:32]), Stroke(line[34:])]
     others = [stroke for stroke in sketch.strokes if stroke.curve != "silhouette"]
     named = name_strokes(Sketch((*others, *halves)), handles, model)

@@ -9,6 +9,7 @@ import pytest
 from caricli.methods.sketch.read_strokes import read_strokes
 from caricli.store.strokes import load_strokes
 from caricli.structures.sketch import Sketch, Stroke, StrokeKind
+from tests.named_lines import points_by_curve
 
 SELDOM = ("eye_fold", "nostril", "nose_tip")
 
@@ -51,7 +52,7 @@ def test_chances_are_of_the_strokes_and_add_up_to_one_at_most(usual, network):
 
 
 def test_eyes_and_lips_in_one_line_each_are_cut_at_their_corners(usual, network):
-    lines = usual.points_by_curve()
+    lines = points_by_curve(usual)
     pairs = [(f"eye_upper_{side}", f"eye_lower_{side}") for side in ("left", "right")] + [
         ("mouth_upper", "mouth_lower")
     ]
@@ -70,7 +71,7 @@ def test_eyes_and_lips_in_one_line_each_are_cut_at_their_corners(usual, network)
 
 def test_lines_that_run_into_each_other_are_cut(usual, network):
     """A brow, and the nose that goes on from it, in one stroke, as tracing a picture gives them."""
-    lines = usual.points_by_curve()
+    lines = points_by_curve(usual)
     nose = lines["nose"] if lines["nose"][0, 0] > lines["nose"][-1, 0] else lines["nose"][::-1]
     brow = lines["brow_left"] if lines["brow_left"][0, 0] > lines["brow_left"][-1, 0] else lines["brow_left"][::-1]
     others = [stroke for stroke in usual.strokes if stroke.curve not in ("nose", "brow_left")]

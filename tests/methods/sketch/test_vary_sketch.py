@@ -2,6 +2,7 @@ import numpy as np
 
 from caricli.methods.sketch.vary_sketch import HandSettings, hand_camera, vary_sketch
 from caricli.structures import Sketch, Stroke, StrokeKind
+from tests.named_lines import points_by_curve
 
 ANGLES = np.linspace(0, 2 * np.pi, 60)
 RING = np.column_stack([128 + 90 * np.cos(ANGLES), 128 + 90 * np.sin(ANGLES)])
@@ -75,7 +76,7 @@ def test_gaps_doubles_and_overshoots():
     assert sum(part.length for part in ring) < SKETCH.strokes[0].length - 1
     doubled = varied(2, **STILL | {"doubled": 1.0, "strays": 0.004})
     assert len(doubled.strokes) == 2 * len(SKETCH.strokes)
-    assert doubled.points_by_curve().keys() == SKETCH.points_by_curve().keys()
+    assert points_by_curve(doubled).keys() == points_by_curve(SKETCH).keys()
     over = varied(2, **STILL | {"overshot": 1.0})
     longer = [a.length - b.length for a, b in zip(over.strokes[1:], SKETCH.strokes[1:], strict=True)]
     assert min(longer) > 1 and max(longer) < 2 * 0.03 * 256 + 1

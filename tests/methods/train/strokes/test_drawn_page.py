@@ -7,6 +7,7 @@ from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.methods.train.strokes.beside_lines import BesideSettings, lines_beside
 from caricli.methods.train.strokes.drawn_page import PageSettings, draw_page
 from caricli.template.feature_curves import feature_curves
+from tests.named_lines import points_by_curve
 
 PLAIN = PageSettings(
     stretched=0, widened=0, exact=1, seldom=0, ears=0, lips=0, lids=0, outline=0, doubled=0, closed=0, bare=0, broken=0,
@@ -17,7 +18,7 @@ PLAIN = PageSettings(
 @pytest.fixture(scope="module")
 def curves(head_template):
     own = feature_curves(head_template.annotation)
-    return draw_sketch(head_template.vertices, own, canvas_camera(head_template.vertices, own)).points_by_curve()
+    return points_by_curve(draw_sketch(head_template.vertices, own, canvas_camera(head_template.vertices, own)))
 
 
 def pages(curves, settings, count=40):
