@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from caricli.data.appearance import random_appearance
 from caricli.data.attributes import binary_labels
 from caricli.data.build_settings import EXPONENTS, BuildSettings, OwnSettings
-from caricli.data.dataset import ALBEDO_FILE, split_identities
+from caricli.data.dataset import split_identities
 from caricli.data.expressions import named_expressions
 from caricli.data.mesh_source import DatasetRow, MeshSource, Prior
 from caricli.data.move_parts import NAMES
@@ -29,6 +29,8 @@ from caricli.models.intrinsic.model import IntrinsicModel
 from caricli.seeds import DatasetSeed
 from caricli.template.head import load_head
 from caricli.template.template import Template
+
+ALBEDO_FILE = "albedo.npz"
 
 PRIOR_SHAPES = 360
 """Faces that the prior of the exaggeration by parts is trained with, that say what is usual, and"""

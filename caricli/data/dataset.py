@@ -25,7 +25,6 @@ VALIDATION_SHARE = 0.01
 """Of the people; the others are trained with."""
 
 MANIFEST = "dataset.json"
-ALBEDO_FILE = "albedo.npz"
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,26 +93,6 @@ def read_dataset(folder: Path) -> Dataset:
     """
     folder = Path(folder)
     return _read_parts(folder, _read_manifest(folder))
-
-
-def read_albedos(folder: Path) -> np.ndarray:
-    """The random colours that were drawn beside the meshes.
-
-    Returns (N, S, S, 3) uint8 sRGB in the UVs of the template, the top row first. Raises InputError when the dataset
-    has none, or its file is missing, damaged or not what the manifest says.
-    """
-    folder = Path(folder)
-    where = folder / MANIFEST
-    manifest = _read_manifest(folder)
-    if "albedo" not in manifest:
-        raise InputError(f"{where}: expected a dataset with albedos, found none: build it with --albedo N")
-    with naming(where):
-        entry = take(manifest, "albedo", dict)
-        count = take_whole(entry, "count", 1, MAX_VERTICES)
-        size = take_whole(entry, "size", 1, MAX_VERTICES)
-    arrays = read_named(folder, entry, MANIFEST)
-    with naming(folder / entry["file"]):
-        return take_array(arrays, "albedo", "u", (count, size, size, 3)).astype(np.uint8, copy=False)
 
 
 def read_manifest(folder: Path, name: str, schema: str, kind: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.data.dataset import ALBEDO_FILE, SPLITS, read_albedos, read_dataset, split_identities, split_names
+from caricli.data.dataset import SPLITS, read_dataset, split_identities, split_names
 from caricli.errors import CaricliError, InputError
 from caricli.io.npz import read_npz, write_npz
 from caricli.io.provenance import sha256_file
@@ -160,27 +160,6 @@ def test_no_person_is_in_two_splits_of_a_built_dataset(built):
     people = [set(data.identity[data.rows(split)].tolist()) for split in SPLITS]
     assert people[0].isdisjoint(people[1] | people[2]) and people[1].isdisjoint(people[2])
     assert all(data.manifest["splits"].values())
-
-
-def test_albedos_are_read_as_the_manifest_says(copy_of_grid):
-    with pytest.raises(InputError, match="--albedo"):
-        read_albedos(copy_of_grid)
-    pictures = np.random.default_rng(0).integers(0, 256, (2, 8, 8, 3), dtype=np.uint8)
-    path = copy_of_grid / ALBEDO_FILE
-    write_npz(path, {"albedo": pictures})
-    entry = {"file": ALBEDO_FILE, "count": 2, "size": 8, "seed": 0, "sha256": sha256_file(path)}
-    rewrite_manifest(copy_of_grid, lambda manifest: manifest.update(albedo=entry))
-    assert np.array_equal(read_albedos(copy_of_grid), pictures)
-    rewrite_manifest(copy_of_grid, lambda manifest: manifest.update(albedo=entry | {"size": 9}))
-    with pytest.raises(InputError, match="expected"):
-        read_albedos(copy_of_grid)
-    rewrite_manifest(copy_of_grid, lambda manifest: manifest.update(albedo={"file": ALBEDO_FILE}))
-    with pytest.raises(InputError, match="count: expected a whole number"):
-        read_albedos(copy_of_grid)
-    path.write_bytes(path.read_bytes() + b"x")
-    rewrite_manifest(copy_of_grid, lambda manifest: manifest.update(albedo=entry))
-    with pytest.raises(InputError, match="SHA-256"):
-        read_albedos(copy_of_grid)
 
 
 @pytest.mark.parametrize("count", [4, 20, 33, 100])

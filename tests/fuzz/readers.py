@@ -16,7 +16,7 @@ from trimesh import Trimesh
 from trimesh.exchange.ply import export_ply
 from trimesh.exchange.stl import export_stl_ascii
 
-from caricli.data.dataset import MANIFEST, SCHEMA, read_albedos, read_dataset
+from caricli.data.dataset import MANIFEST, SCHEMA, read_dataset
 from caricli.data.expressions import read_expressions
 from caricli.data.import_dataset import read_labels
 from caricli.data.mesh_names import read_mesh_name
@@ -388,7 +388,6 @@ def _dataset_bundle(path: Path) -> None:
         "shard-0000": _shard(2),
         "shard-0001": _shard(3),
         "labels": {"attributes": np.array(["a", "b"]), "measures": np.zeros((5, 2)), "labels": np.ones((5, 2), bool)},
-        "albedo": {"albedo": np.zeros((2, 4, 4, 3), np.uint8)},
     }
     manifest = {
         "schema": SCHEMA,
@@ -398,7 +397,6 @@ def _dataset_bundle(path: Path) -> None:
         "template": {"file": "template.npz"},
         "labels": {"file": "labels.npz"},
         "shards": [{"file": "shard-0000.npz", "count": 2}, {"file": "shard-0001.npz", "count": 3}],
-        "albedo": {"file": "albedo.npz", "count": 2, "size": 4},
     }
     arrays = {f"{file}|{key}": value for file, entries in parts.items() for key, value in entries.items()}
     write_npz(path, arrays | {"manifest": np.array(json.dumps(manifest))})
@@ -428,14 +426,13 @@ def _read_bundle(path: Path) -> None:
         files.setdefault(f"{file}.npz", {})[key] = array
     hashes = {}
     for file, entries in files.items():
-        if file.isalnum() or file in ("template.npz", "labels.npz", "albedo.npz", "shard-0000.npz", "shard-0001.npz"):
+        if file.isalnum() or file in ("template.npz", "labels.npz", "shard-0000.npz", "shard-0001.npz"):
             write_npz(folder / file, entries)
             hashes[file] = sha256_file(folder / file)
     for entry in _entries(manifest):
         if isinstance(entry.get("file"), str) and entry["file"] in hashes:
             entry["sha256"] = hashes[entry["file"]]
     write_json(folder / MANIFEST, manifest)
-    read_albedos(folder)
     read_dataset(folder)
 
 

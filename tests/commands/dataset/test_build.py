@@ -5,10 +5,13 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import caricli
-from caricli.data.dataset import read_albedos, read_dataset
+from caricli.data.dataset import read_dataset
+from caricli.io.npz import read_npz
+from caricli.io.provenance import sha256_file
 
 ROOT = Path(caricli.__file__).parents[1]
 
@@ -40,9 +43,14 @@ def test_random_colours_come_with_the_meshes(run, refused, tmp_path):
     for name in ("a", "b"):
         result = run("dataset", "build", tmp_path / name, *sizes, "--albedo", 3, "--albedo-size", 64)
         assert result.exit_code == 0, result.output
-    assert (tmp_path / "a" / "albedo.npz").read_bytes() == (tmp_path / "b" / "albedo.npz").read_bytes()
-    assert read_albedos(tmp_path / "a").shape == (3, 64, 64, 3)
-    assert len(read_dataset(tmp_path / "a").vertices) == 1
+    file = tmp_path / "a" / "albedo.npz"
+    assert file.read_bytes() == (tmp_path / "b" / "albedo.npz").read_bytes()
+    pictures = read_npz(file)["albedo"]
+    assert pictures.shape == (3, 64, 64, 3) and pictures.dtype == np.uint8
+    data = read_dataset(tmp_path / "a")
+    assert len(data.vertices) == 1
+    entry = {"file": file.name, "count": 3, "size": 64, "seed": 0, "sha256": sha256_file(file)}
+    assert data.manifest["albedo"] == entry
     said = refused("dataset", "build", tmp_path / "c", *sizes, "--albedo", 9000, "--albedo-size", 4096)
     assert "9000 albedos" in said and not (tmp_path / "c").exists()
 
