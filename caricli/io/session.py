@@ -61,18 +61,13 @@ def operation_to_json(operation: Operation) -> dict[str, Any]:
     return {"name": operation.name, "parameters": dict(operation.parameters)}
 
 
-def format_session(session: Session) -> str:
-    """The text of a session's file, an operation a line."""
+def write_session(path: str | Path, session: Session) -> None:
+    """Write a session, an operation a line. Raises OutputError when the file cannot be written."""
     value = session_to_json(session)
     rows = [format_json(entry, "the session", None).rstrip("\n") for entry in value.pop("operations")]
     head = format_json(value, "the session", None).rstrip("\n").removesuffix("}")
     body = "\n" + ",\n".join(rows) + "\n" if rows else ""
-    return f'{head}, "operations": [{body}]}}\n'
-
-
-def write_session(path: str | Path, session: Session) -> None:
-    """Write a session. Raises OutputError when the file cannot be written."""
-    write_bytes(path, format_session(session).encode())
+    write_bytes(path, f'{head}, "operations": [{body}]}}\n'.encode())
 
 
 def _start(entry: Any) -> Start | None:

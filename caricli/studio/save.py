@@ -10,7 +10,7 @@ from pathlib import Path
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
-from caricli.io.session import format_session
+from caricli.io.session import write_session
 from caricli.io.sketches.sketch import write_sketch
 from caricli.methods.faces.draw_face import FaceDrawing
 from caricli.methods.rig.make_rig import make_rig
@@ -36,7 +36,7 @@ def plain_face(desk: Desk) -> Face:
 
 
 def _session(desk: Desk) -> bytes:
-    return format_session(desk.session).encode()
+    return _written("session.json", lambda path: write_session(path, desk.session))
 
 
 def _face(desk: Desk) -> bytes:
@@ -44,7 +44,7 @@ def _face(desk: Desk) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder)
         write_face_files(path / "face.obj", path / "face.npz", plain_face(desk))
-        (path / "session.json").write_bytes(_session(desk))
+        write_session(path / "session.json", desk.session)
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
             for file in sorted(path.iterdir()):

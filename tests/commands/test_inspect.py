@@ -13,7 +13,7 @@ from caricli.io.image import write_png
 from caricli.io.meshes.mesh import write_mesh
 from caricli.io.parsing import legend
 from caricli.io.rig import write_rig
-from caricli.io.session import format_session
+from caricli.io.session import write_session
 from caricli.io.strict_json import read_json, write_json
 from caricli.io.takes.track import write_weights
 from caricli.store.models import load_model
@@ -192,7 +192,7 @@ def test_bundled_networks(inspect, name):
 
 def test_sessions(inspect, tmp_path):
     strokes = [Operation("draw", {"points": [[0, 0], [9, k]]}) for k in range(3)]
-    (tmp_path / "session.json").write_text(format_session(Session(None, (*strokes, Operation("clear")))))
+    write_session(tmp_path / "session.json", Session(None, (*strokes, Operation("clear"))))
     lines, report = inspect(tmp_path / "session.json")
     assert "begins with an empty canvas" in lines and "3 draw, 1 clear" in lines
     assert report["operations"] == 4 and report["names"] == {"draw": 3, "clear": 1}

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from caricli.errors import InputError
-from caricli.io.session import format_session
+from caricli.io.session import write_session
 from caricli.methods.session.work import Work
 from caricli.structures import Operation, Session, Start
 from caricli.studio.desk import Desk
@@ -42,7 +42,7 @@ def test_a_session_from_an_empty_canvas_opens_whatever_is_there(desk):
 @pytest.mark.parametrize("start", [None, BEGUN, Start("other.npz", "1" * 64)])
 def test_a_session_that_is_refused_changes_nothing(desk, tmp_path, monkeypatch, start):
     path = tmp_path / "session.json"
-    path.write_text(format_session(Session(start, (Operation("b"), Operation("refused")))))
+    write_session(path, Session(start, (Operation("b"), Operation("refused"))))
 
     async def run(function, *values):
         return function(*values)
