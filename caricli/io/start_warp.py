@@ -7,27 +7,37 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
 from pathlib import Path
+from threading import Lock
 
 from caricli.errors import OutputError
 from caricli.io.cache import cache_folder
 
+# File descriptors are the process's: were two threads to hold 2 back at once, one would keep what the other put there.
+_LOCK = Lock()
+_started = False
 
-@cache
+
 def start_warp() -> None:
     """Start warp once per process without a word on stdout or stderr; whatever imports it calls this first.
+
+    Threads that call it at once wait for the one that starts it.
 
     Compiled kernels are kept in WARP_CACHE_PATH where the user set it, else in `caricli/warp` of the user's cache
     (XDG_CACHE_HOME, or ~/.cache); where neither can be written, in a temporary folder that goes with the process.
     """
-    import warp
+    global _started
+    with _LOCK:
+        if _started:
+            return
+        import warp
 
-    warp.config.log_level = max(warp.config.log_level, warp.LOG_ERROR)
-    if warp.config.kernel_cache_dir is None:
-        warp.config.kernel_cache_dir = _kernel_folder()
-    with _silent_stderr():
-        warp.init()
+        warp.config.log_level = max(warp.config.log_level, warp.LOG_ERROR)
+        if warp.config.kernel_cache_dir is None:
+            warp.config.kernel_cache_dir = _kernel_folder()
+        with _silent_stderr():
+            warp.init()
+        _started = True
 
 
 def _kernel_folder() -> str:

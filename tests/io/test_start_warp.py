@@ -13,6 +13,29 @@ import warp
 open(3, "w").write(warp.config.kernel_cache_dir)
 """
 
+AT_ONCE = """
+import os, threading, time
+import warp
+from caricli.io import start_warp as module
+init = warp.init
+def slow():
+    starts.append(threading.get_ident())
+    time.sleep(0.2 * len(starts))  # the first ends first: it puts back what it kept while the second still runs
+    init()
+def start():
+    barrier.wait()
+    module.start_warp()
+starts = []
+warp.init = slow
+before = os.fstat(2)
+barrier = threading.Barrier(2)
+threads = [threading.Thread(target=start) for _ in range(2)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+assert os.path.samestat(os.fstat(2), before), "stderr is another file"
+assert len(starts) == 1, starts
+"""
+
 
 def draw(tmp_path, **environment):
     """Draw in a new process; returns where the kernels went, after checking that nothing was said."""
@@ -50,3 +73,9 @@ def test_the_package_does_not_import_warp():
     modules = "caricli.render.views, caricli.render.sheets.overlay, caricli.commands.render"
     code = f"import sys, {modules}; sys.exit('warp' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_threads_that_start_it_at_once_leave_stderr_as_it_was(tmp_path):
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", AT_ONCE], env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
