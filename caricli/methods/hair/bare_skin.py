@@ -24,7 +24,7 @@ _ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's
 
 
 def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.ndarray:
-    """(H, W) bool: what is left of the paint of a head where no hair covers or colours the skin.
+    """(H, W) bool: what is left of the paint of a head where no hair covers or colours the skin, if anything.
 
     At the border of the face a line as dark as the hair, or locks that no shell holds, would be spread over the side,
     and what of it goes on inwards would end there; strands before the forehead would be drawn on it. image: (H, W, 3)
@@ -50,8 +50,7 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     bare = head.paint & (distance_to(coloured) > reach)
     # What is left in slivers between lines and the border is half of their colour.
     slivers = ~_broad(bare, reach) & border | ~_broad(bare, _SLIVER * height) & face & outer
-    bare &= ~slivers
-    return bare if bare.any() else head.paint
+    return bare & ~slivers
 
 
 def _broad(mask: np.ndarray, reach: float) -> np.ndarray:

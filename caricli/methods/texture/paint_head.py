@@ -192,7 +192,7 @@ def _lay_groundwork(picture: HeadPicture, template: Template, settings: PaintSet
         looks.append(partial(cut_openings, image, regions, landmarks))
         looks.append(partial(lips_behind_nose, head, camera, regions))
     hair, eyes, _, lids, *no_skin = do_in_parallel(*looks)
-    skin = parts.paint if hair is None else bare_skin(parts, hair, image)
+    skin = _uncovered(parts, hair, image, regions is not None)
     beside = parts.whole & ~skin
     for opening in no_skin:
         skin = skin & ~opening
@@ -203,6 +203,18 @@ def _lay_groundwork(picture: HeadPicture, template: Template, settings: PaintSet
         return _lay_groundwork(replace(picture, regions=None), template, settings)
     sight = Sight(camera, image, skin, parts.whole, beside)
     return _Groundwork(parts.whole, sight, hair, texels, eyes, lids, teeth)
+
+
+def _uncovered(parts: ParsedHead, hair: DressedHair | None, image: np.ndarray, labelled: bool) -> np.ndarray:
+    """(H, W) bool: what can be painted of a head in its hair, or without any. image: (H, W, 3) uint8.
+
+    labelled: whether regions told the hair: then there may be nothing. Where colours did, nobody knows better, and what
+    they take for hair all over is painted nevertheless.
+    """
+    if hair is None:
+        return parts.paint
+    bare = bare_skin(parts, hair, image)
+    return bare if labelled or bare.any() else parts.paint
 
 
 def _find_texels(template: Template, settings: PaintSettings) -> Texels | None:

@@ -176,6 +176,11 @@ def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     assert not (bare & dressed.mask.pixels).any() and 0.2 < bare.sum() / shown.sum() < 0.9
 
 
+def test_where_hair_covers_all_nothing_is_bare(dressed, sitter):
+    hair = dressed.mask.pixels
+    assert not bare_skin(ParsedHead(hair, hair), dressed, sitter.image).any()
+
+
 def test_a_line_in_the_colour_of_the_hair_along_the_border_of_the_face_is_left_to_be_filled(dressed, sitter):
     """A line beside an ear, which is at the border of the head; another one, in the middle of the cheek, stays."""
     skin = ~sitter.hair.behind & ~sitter.hair.pixels

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.methods.hair.dress_hair import dress_hair
 from caricli.methods.texture.lips_behind_nose import lips_behind_nose
 from caricli.methods.texture.mask_head import mesh_pixels
 from caricli.methods.texture.mouth_wall import wall_pixels
@@ -118,6 +119,28 @@ def test_a_face_that_is_labelled_hair_all_over_is_painted_by_its_colours(picture
     labelled = paint_head(pictured.face, pictured.head, pictured.image, None, settings, regions)
     assert labelled.seen > 0.1
     np.testing.assert_array_equal(labelled.pictures.skin, by_colours.pictures.skin)
+
+
+def test_so_is_one_that_hair_covers_all_over_and_hair_by_colours_is_painted_nevertheless(pictured, monkeypatch):
+    """Labels of hair on a face that leave nothing bare; then colours that leave nothing bare, either."""
+    worn = []
+
+    def dress(face, template, image, settings, regions=None, pixels=None):
+        pixels = mesh_pixels(face, image)
+        dressed = dress_hair(face, template, image, replace(settings, hair="shell"))
+        worn.append(regions is not None)
+        return replace(dressed, mask=replace(dressed.mask, pixels=pixels | dressed.mask.pixels))
+
+    image = pictured.image.copy()
+    rows = np.arange(len(image))[:, None]
+    image[(rows < pictured.face.landmarks[17:27, 1].min() - 25) & pictured.mask] = (80, 50, 30)
+    regions = np.where(pictured.mask, Region.HAIR, Region.BACKGROUND).astype(np.uint8)
+    monkeypatch.setattr("caricli.methods.texture.paint_head.dress_hair", dress)
+    settings = replace(SMALL, hair="auto")
+    covered = paint_head(pictured.face, pictured.head, image, None, settings, regions)
+    assert worn == [True, False] and covered.seen > 0.1
+    by_colours = paint_head(pictured.face, pictured.head, image, None, settings)
+    np.testing.assert_array_equal(covered.pictures.skin, by_colours.pictures.skin)
 
 
 def test_a_mask_of_one_pixel_paints_nothing_and_breaks_nothing(pictured, painted):
