@@ -5,22 +5,23 @@ import numpy as np
 from scipy.ndimage import binary_dilation, label
 
 from caricli.methods.hair.dress_hair import DressedHair
+from caricli.methods.hair.face_size import face_size
 from caricli.methods.texture.another_colour import LIKE, lab_colours, of_another_colour
 from caricli.methods.texture.mean_colours import mean_colours
 from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.render.pixels.distance_to import distance_to
 from caricli.structures.landmarks import BROW_LEFT, BROW_RIGHT, EYE_LEFT, EYE_RIGHT
 
-_MARGIN = 0.015  # of the face's height: as far around hair the skin has its colour or its shadow
-_BORDER = 0.05  # of the same: so near to its border a head may show hair that no shell holds, or a line
-_EAR = 0.03  # of the same: so near to the face an ear may show a line, too
-_INWARDS = 0.15  # of the same: so far in goes what hangs together with that
-_STRAND = 0.3  # of the same: so near to hair what has its colour and hangs together with it is a strand
-_SLIVER = 0.03  # of the same: half as wide as skin is that is left there, at least
-_SHADED = 0.05  # of the same: so near to hair skin is under fine strands or their shadow
+_MARGIN = 0.019  # of the face's size: as far around hair the skin has its colour or its shadow
+_BORDER = 0.063  # of the same: so near to its border a head may show hair that no shell holds, or a line
+_EAR = 0.038  # of the same: so near to the face an ear may show a line, too
+_INWARDS = 0.19  # of the same: so far in goes what hangs together with that
+_STRAND = 0.38  # of the same: so near to hair what has its colour and hangs together with it is a strand
+_SLIVER = 0.038  # of the same: half as wide as skin is that is left there, at least
+_SHADED = 0.063  # of the same: so near to hair skin is under fine strands or their shadow
 _MIXED = 3.0  # times as far from the hair's colour as from the skin's, at most, is what is mixed of both
-_FEATURE = 0.03  # of the same: around brows and eyes, which have that colour, too
-_ACROSS = 0.1  # of the face's height: standard deviation of means of the skin's colours
+_FEATURE = 0.038  # of the face's size: around brows and eyes, which have that colour, too
+_ACROSS = 0.126  # of the same: standard deviation of means of the skin's colours
 
 
 def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.ndarray:
@@ -30,26 +31,26 @@ def bare_skin(head: ParsedHead, dressed: DressedHair, image: np.ndarray) -> np.n
     and what of it goes on inwards would end there; strands before the forehead would be drawn on it. image: (H, W, 3)
     uint8.
     """
-    height = np.ptp(dressed.face.require_landmarks()[:, 1])
+    size = face_size(dressed.face)
     hair = dressed.mask.pixels
     face = head.whole if head.ears is None else head.whole & ~head.ears
     inwards = distance_to(~face)
-    border = inwards <= _BORDER * height
+    border = inwards <= _BORDER * size
     skin = head.paint & face & ~hair
-    plain = skin & (distance_to(_features(dressed)) > _FEATURE * height)
-    near = plain & (distance_to(hair) <= _STRAND * height)
-    outer = inwards <= _INWARDS * height
-    ears = head.paint & head.whole & ~face & ~hair & (distance_to(face) <= _EAR * height)
-    dark = _like_hair(skin & border | plain & outer | ears, skin & ~outer, hair, image, _ACROSS * height)
+    plain = skin & (distance_to(_features(dressed)) > _FEATURE * size)
+    near = plain & (distance_to(hair) <= _STRAND * size)
+    outer = inwards <= _INWARDS * size
+    ears = head.paint & head.whole & ~face & ~hair & (distance_to(face) <= _EAR * size)
+    dark = _like_hair(skin & border | plain & outer | ears, skin & ~outer, hair, image, _ACROSS * size)
     lines = _hanging(dark, dark & (border | ears))
-    strands = _hanging(_like_hair(near, skin, hair, image, _ACROSS * height), hair)
-    beside = distance_to(hair) <= _SHADED * height
-    shaded = _hanging(_like_hair(plain & beside, skin & ~beside, hair, image, _ACROSS * height, _MIXED), hair)
+    strands = _hanging(_like_hair(near, skin, hair, image, _ACROSS * size), hair)
+    beside = distance_to(hair) <= _SHADED * size
+    shaded = _hanging(_like_hair(plain & beside, skin & ~beside, hair, image, _ACROSS * size, _MIXED), hair)
     coloured = hair | lines | strands | shaded
-    reach = max(_MARGIN * height, 1.0)
+    reach = max(_MARGIN * size, 1.0)
     bare = head.paint & (distance_to(coloured) > reach)
     # What is left in slivers between lines and the border is half of their colour.
-    slivers = ~_broad(bare, reach) & border | ~_broad(bare, _SLIVER * height) & face & outer
+    slivers = ~_broad(bare, reach) & border | ~_broad(bare, _SLIVER * size) & face & outer
     return bare & ~slivers
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.methods.hair.face_size import face_size
 from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.move_skull import sink_skull
@@ -29,7 +30,7 @@ _AROUND = 0.1  # of the head's height: farther from head and hair a picture says
 _LIKE = 2 / 3  # overlap of a shell with what colours, or labels far from the head, take for hair; with less it is none
 _FAR = MaskSettings(over=0.0)  # how hair is told, however little of it is before the head
 _TORN = 0.5  # of a labelled hat: colours that take less than that of it tear it
-_MEET = 0.05  # of the face's height: so near to each other hair and what is behind it meet
+_MEET = 0.063  # of the face's size: so near to each other hair and what is behind it meet
 _UNLIKE = 12.0  # in CIELAB, between the mean colours there: what is no farther from it than this goes on as a wall
 _PIXELS = 750  # height of the head in the picture that a shell is made by at most; its quads are four of them
 _SIZE = 1024  # texels of hair where none are asked for
@@ -133,7 +134,7 @@ def _as_labelled(mask: HairMask, regions: np.ndarray, pixels: np.ndarray) -> Hai
 
 def _stands_out(face: Face, mask: HairMask, image: np.ndarray) -> bool:
     """Whether hair has another colour than what is behind it, where they meet."""
-    reach = _MEET * np.ptp(face.require_landmarks()[:, 1])
+    reach = _MEET * face_size(face)
     hair = mask.pixels & (distance_to(mask.behind) < reach)
     behind = mask.behind & (distance_to(mask.pixels) < reach)
     if not (hair.any() and behind.any()):

@@ -5,6 +5,7 @@ import numpy as np
 from scipy.ndimage import label
 
 from caricli.methods.hair.cut_hair import cut_hair
+from caricli.methods.hair.face_size import face_size
 from caricli.methods.hair.mask_hair import HairMask
 from caricli.methods.hair.picture_zones import facial_features
 from caricli.methods.hair.settings import MaskSettings
@@ -41,7 +42,7 @@ def parsed_hair(
     little of it is before the head: then this is rather the wall behind it.
     """
     points = face.require_landmarks()[:COUNT]
-    size = float(np.ptp(points, axis=0).max())
+    size = face_size(face)
     hats = regions == Region.HAT
     regions = np.where(hats & ~on_head(hats, pixels), Region.BACKGROUND, regions)
     regions = np.where(_coloured_as_hair(regions, image), Region.HAIR, regions)

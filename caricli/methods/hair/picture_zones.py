@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
+from caricli.methods.hair.face_size import face_size
 from caricli.methods.hair.settings import MaskSettings
 from caricli.render.pixels.distance_to import exact_distance_to
 from caricli.render.pixels.inside_polygon import inside_polygon
@@ -80,7 +81,7 @@ class PictureZones:
         points = face.require_landmarks()[:COUNT]
         low = points.min(0)
         high = points.max(0)
-        size = max((high - low).max(), 8)
+        size = face_size(face)
         self.whole = image.shape[:2]
         start = np.clip(np.floor(low - settings.around * size), 0, None).astype(int)
         end = np.ceil(high + size * np.array([settings.around, settings.below])).astype(int)

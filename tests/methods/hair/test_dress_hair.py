@@ -176,6 +176,16 @@ def test_the_skin_under_it_is_left_to_be_filled(dressed, sitter):
     assert not (bare & dressed.mask.pixels).any() and 0.2 < bare.sum() / shown.sum() < 0.9
 
 
+def test_what_is_bare_does_not_hang_on_the_layout_of_the_landmarks(dressed, sitter):
+    """With those of forehead and ears, the same face is higher."""
+    shown = ~sitter.hair.behind
+    points = CAMERA.project(sitter.head.vertices[sitter.head.annotation.landmarks])
+    assert len(points) == 81
+    more = replace(dressed, face=replace(dressed.face, landmarks=points))
+    one, other = (bare_skin(ParsedHead(shown, shown), each, sitter.image) for each in (dressed, more))
+    np.testing.assert_array_equal(one, other)
+
+
 def test_where_hair_covers_all_nothing_is_bare(dressed, sitter):
     hair = dressed.mask.pixels
     assert not bare_skin(ParsedHead(hair, hair), dressed, sitter.image).any()
@@ -200,7 +210,7 @@ def test_such_a_line_may_be_on_the_pixels_of_an_ear(dressed, sitter):
     """Where this begins; a hollow of the ear stays."""
     skin = ~sitter.hair.behind & ~sitter.hair.pixels
     ear, line, hollow = (np.zeros_like(skin) for _ in range(3))
-    for row in round(sitter.face.landmarks[30, 1]) + np.arange(16):
+    for row in round(sitter.face.landmarks[30, 1]) + np.arange(24):
         first = np.flatnonzero(skin[row])[0]
         ear[row, first : first + 30] = True
         line[row, first + 28 : first + 30] = True
@@ -236,7 +246,7 @@ def test_no_tongue_of_skin_is_left_between_two_such_lines(dressed, sitter):
         first = np.flatnonzero(skin[row])[0]
         lines[row, first + 1 : first + 3] = True
         lines[row, first + 10 : first + 12] = True
-        tongue[row, first + 6 : first + 8] = middle - 8 < row < middle
+        tongue[row, first + 6 : first + 8] = middle - 7 < row < middle
         beyond[row, first + 30 : first + 40] = True
         lines[row, first + 1 : first + 12] |= row >= middle + 2
     drawn = np.where(lines[..., None], BROWN, sitter.image).astype(np.uint8)
@@ -252,7 +262,7 @@ def test_a_strand_that_hangs_from_the_hair_is_left_to_be_filled(dressed, sitter)
     end = np.flatnonzero(dressed.mask.pixels[:, middle])[-1]
     strand, mark, brow = (np.zeros_like(skin) for _ in range(3))
     strand[end + 1 : end + 9, middle - 1 : middle + 1] = True
-    mark[end + 6 : end + 12, middle + 14 : middle + 16] = True
+    mark[end + 10 : end + 16, middle + 14 : middle + 16] = True
     x, y = np.rint(marks[19]).astype(int)
     brow[y - 1 : y + 1, x - 4 : x + 4] = True
     assert skin[strand].all() and skin[mark].all() and skin[brow].all()
