@@ -14,6 +14,7 @@ _BEYOND = 0.25  # of the way between lips, how far beyond both is looked, since 
 _STEPS = 96  # on that way
 _OPEN = 2.5  # pixels between lips: with fewer a picture says nothing of teeth
 _SEEN = 0.3  # of the way between lips, what has to show the inside of a mouth
+_GAP = 0.1  # of the mouth's height: what is not wider between teeth, or below them, is a line or a speck
 _UPPER = 0.5  # of the mouth's height: a single row that begins higher is of upper teeth
 
 
@@ -22,8 +23,8 @@ def shown_teeth(face: Face, head: Template, regions: np.ndarray) -> np.ndarray |
 
     Between lips its regions show teeth, the dark of the mouth, and teeth again, or some of these: what counts are
     shares of the way from lip to lip, of the three pairs of landmarks the middle one, times the way between the face's
-    own lips. A dark line between lip and teeth is the lip's shadow, and one row is the upper one unless it begins far
-    below its lip.
+    own lips. A dark line between lip and teeth is the lip's shadow, one between teeth tells no rows apart, and one row
+    is the upper one unless it begins far below its lip. Lower teeth stand on the lower lip, or are none.
 
     face: Face with landmarks. head: Template in its shape. regions: (H, W) values of Region.
     Returns None where the mouth is closed, or the template does not tell its lips.
@@ -50,11 +51,14 @@ def _row(regions: np.ndarray, upper: np.ndarray, lower: np.ndarray) -> tuple[flo
     places = np.flatnonzero(teeth)
     if not len(places):
         return 0.0, 0.0
-    gaps = np.diff(places)
-    if gaps.max(initial=1) > 1:
+    narrow = _GAP * len(teeth)
+    gaps = np.diff(places) - 1
+    if gaps.max(initial=0) > narrow:
         # The widest gap is that between both rows.
         last = int(gaps.argmax())
-        return (places[last] + 1) / len(teeth), 1 - places[last + 1] / len(teeth)
-    if places[0] < _UPPER * len(teeth):
+        rows = (places[last] + 1) / len(teeth), 1 - places[last + 1] / len(teeth)
+    elif places[0] < _UPPER * len(teeth):
         return (places[-1] + 1) / len(teeth), 0.0
-    return 0.0, 1 - places[0] / len(teeth)
+    else:
+        rows = 0.0, 1 - places[0] / len(teeth)
+    return rows if len(teeth) - 1 - places[-1] <= narrow else (rows[0], 0.0)

@@ -45,6 +45,11 @@ def shares(head, rows):
         ([(Region.MOUTH, 0.7), (Region.TEETH, 1.0)], (0, 0.3)),
         ([(Region.MOUTH, 0.1), (Region.TEETH, 0.9), (Region.MOUTH, 1.0)], (0.9, 0)),
         ([(Region.TEETH, 0.3), (Region.MOUTH, 0.8), (Region.TEETH, 1.0)], (0.3, 0.2)),
+        ([(Region.TEETH, 0.5), (Region.MOUTH, 0.57), (Region.TEETH, 0.9), (Region.MOUTH, 1.0)], (0.9, 0)),
+        ([(Region.TEETH, 0.15), (Region.LIPS, 0.22), (Region.TEETH, 1.0)], (1, 0)),
+        ([(Region.TEETH, 0.3), (Region.MOUTH, 0.5), (Region.TEETH, 0.6), (Region.MOUTH, 1.0)], (0.3, 0)),
+        ([(Region.TEETH, 0.3), (Region.MOUTH, 0.7), (Region.TEETH, 0.95), (Region.MOUTH, 1.0)], (0.3, 0.3)),
+        ([(Region.MOUTH, 0.6), (Region.TEETH, 0.8), (Region.MOUTH, 1.0)], (0, 0)),
         ([(Region.LIPS, 1.0)], None),
     ],
 )
@@ -54,6 +59,14 @@ def test_rows_of_teeth_are_told(laughing, rows, expected):
         assert told is None
     else:
         np.testing.assert_allclose(told, expected, atol=0.12)
+
+
+def test_one_dark_row_of_pixels_makes_no_lower_teeth_of_upper_ones(laughing):
+    """Between teeth that end in the middle of the mouth, wherever it is."""
+    plain = shares(laughing, [(Region.TEETH, 0.6), (Region.MOUTH, 1.0)])
+    for start in np.linspace(0.1, 0.5, 5):
+        line = [(Region.TEETH, start), (Region.MOUTH, start + 0.02), (Region.TEETH, 0.6), (Region.MOUTH, 1.0)]
+        np.testing.assert_allclose(shares(laughing, line), plain, atol=0.02)
 
 
 def test_closed_lips_tell_nothing(head_template):
