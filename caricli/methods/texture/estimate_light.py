@@ -102,7 +102,7 @@ def estimate_light(
 
     colours: (N, 3) sRGB, 0 to 255. normals: (N, 3) unit length. places: (N, 3) metres. weights: (N,) how much each is
     skin that is seen. view: (3,) unit, the way to the camera.
-    Returns Light, or None where it explains too little.
+    Returns Light, or None where it explains too little, or nothing differs that it could explain.
     """
     settings = LightSettings()
     used = weights > 0
@@ -112,9 +112,11 @@ def estimate_light(
     fit = _Fit(harmonics(normals[used]), logs, weights[used] / weights[used].sum(), settings)
     folds = _folds(places[used], weights[used], settings.halvings)
     constant = fit.missed(folds, np.inf)
+    if constant <= _LEVEL:  # one colour all over: of nothing, any light explains all
+        return None
     lights = [(fit.missed(folds, weight), fit.solve(np.ones(len(logs)), weight)) for weight in settings.weights]
     missed, light = min((each for each in lights if _of_lamps(each[1])), key=itemgetter(0), default=(constant, None))
-    explained = 1 - missed / max(constant, _LEVEL)
+    explained = 1 - missed / constant
     if light is None or explained < settings.gain:
         return None
     dome = sphere_directions(_DOME)

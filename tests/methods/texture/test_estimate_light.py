@@ -61,6 +61,12 @@ def test_flat_colours_have_no_light(surface):
     assert estimate_light(SKIN[None], VIEW[None], VIEW[None], np.ones(1), VIEW) is None
 
 
+@pytest.mark.parametrize("colour", [SKIN, np.zeros(3), np.full(3, 255.0)])
+def test_one_colour_all_over_has_no_light(surface, colour):
+    """There is nothing to explain, so all of it would be."""
+    assert estimated(np.tile(colour, (len(surface[0]), 1)), surface) is None
+
+
 def test_the_mean_of_what_a_camera_sees_stays(surface):
     normals, _ = surface
     light = estimated(SKIN * lit(normals) ** (1 / GAMMA), surface)
