@@ -45,8 +45,7 @@ def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -
     small = cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA) if shrink < 1 else image
     head = _covered(face, small.shape[0], small.shape[1], shrink)
     enclosed = np.zeros(head.shape, np.uint8)
-    given = np.isfinite(points).all(1)
-    outline = np.round(zoomed_pixels(points[[k for k in OUTLINE if given[k]]], shrink)).astype(np.int32)
+    outline = np.round(zoomed_pixels(_outline(points), shrink)).astype(np.int32)
     cv2.fillPoly(enclosed, [outline], 1)
     labels = _first_guess(head, enclosed, outline)
     inner = labels == cv2.GC_FGD
@@ -55,6 +54,13 @@ def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -
     if not (mask & pixels).any():
         raise InputError("expected the head where the face was fitted, found none there")
     return mask
+
+
+def _outline(points: np.ndarray) -> np.ndarray:
+    """(N, 2) pixels around the face: what is given of its outline, or else the hull of all landmarks (L, 2)."""
+    given = np.isfinite(points).all(1)
+    outline = points[[number for number in OUTLINE if given[number]]]
+    return outline if len(outline) > 2 else cv2.convexHull(points[given].astype(np.float32))[:, 0]
 
 
 def _covered(face: Face, height: int, width: int, zoom: float = 1.0) -> np.ndarray:

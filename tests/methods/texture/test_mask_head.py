@@ -118,6 +118,16 @@ def test_where_colours_tell_nothing_the_landmarks_do(face, points):
     assert not mask[:10].any() and not mask[:, :5].any()
 
 
+@pytest.mark.parametrize("outline", [0, 1, 2])
+def test_where_nothing_of_the_outline_is_known_the_other_landmarks_enclose_the_face(face, points, outline):
+    eyes = np.radians(np.arange(12) * 30)
+    points[36:48] = CENTRE + 0.6 * RADII * np.stack([np.cos(eyes), np.sin(eyes)], axis=1)
+    points[outline:27] = np.nan
+    assert overlap(mask_head(face, picture(), points), ellipse((HEIGHT, WIDTH))) > 0.85
+    alike = mask_head(face, np.full((HEIGHT, WIDTH, 3), 120, np.uint8), points)
+    assert overlap(alike, ellipse((HEIGHT, WIDTH), radii=0.6 * RADII)) > 0.7
+
+
 def test_a_face_that_fills_its_picture(face, points):
     mask = mask_head(zoomed(face, 1, -50), picture()[50:190, 50:170], points - 50)
     assert mask.mean() > 0.8
