@@ -1,7 +1,7 @@
 """caricli retarget: a caricature that does what a normal face does."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -280,6 +280,13 @@ class _Results:
     retargeting: "Retargeting"
     about: dict
 
+    @cached_property
+    def _stage(self):
+        """What the sheets of all drivers share."""
+        from caricli.render.sheets.driver_sheet import driver_stage
+
+        return driver_stage(self.retargeting.rig)
+
     def write_face(self, path, target):
         """Write the files of a caricature with the expression of one driver, and say what it is."""
         from caricli.render.sheets.driver_sheet import driver_sheet
@@ -291,7 +298,7 @@ class _Results:
             face = self.retargeting.caricature(row)
             write_face_files(obj, npz, face)
             write_json(json, self._description(path, obj) | self.retargeting.figures(row))
-            write_picture(png, lambda: driver_sheet(_driver(self.retargeting, row), self.retargeting.rig, face))
+            write_picture(png, lambda: driver_sheet(_driver(self.retargeting, row), self._stage, face))
         return f"{shown(target)}: {self.retargeting.describe(row)}"
 
     def write_picture(self, redrawing, path, target):

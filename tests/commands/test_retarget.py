@@ -1,4 +1,5 @@
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pygltflib
@@ -12,6 +13,7 @@ from caricli.io.landmarks import write_landmarks
 from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
+from caricli.render.sheets import driver_sheet
 from caricli.store.models import load_model
 from caricli.structures import Face, Landmarks, Mesh, Rig
 
@@ -122,6 +124,13 @@ def test_a_sequence_and_its_animation(run, rig_file, drivers, tmp_path):
         np.testing.assert_allclose(np.transpose([report["weights"][name] for name in NAMES]), weights, atol=1e-9)
         assert report["fps"] == 10 and len(report["inputs"]) == 4
     assert weights.max() > 0.5 and values.max() <= 1.5
+
+
+def test_the_pictures_of_many_drivers_share_a_stage(run, rig_file, drivers, tmp_path, monkeypatch):
+    build = Mock(wraps=driver_sheet.driver_stage)
+    monkeypatch.setattr(driver_sheet, "driver_stage", build)
+    assert run(COMMAND, rig_file, *drivers[2], "--out-dir", tmp_path).exit_code == 0
+    assert len([*tmp_path.glob("*.png")]) == 3 and build.call_count == 1
 
 
 def test_an_animation_needs_no_faces_beside_it(run, rig_file, drivers, tmp_path):

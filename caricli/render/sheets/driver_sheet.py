@@ -12,8 +12,17 @@ SIZE = 384
 """Side of one picture, pixels."""
 
 
-def driver_sheet(driver: Template, rig: Rig, face: Face) -> np.ndarray:
-    """Both beside each other from the front. face: Face of the rig, as it moved. Returns (H, W, 3) uint8."""
-    drawn = RigStage(rig, "front", SIZE).picture(face.vertices, face.pictures.skin)
+def driver_stage(rig: Rig) -> RigStage:
+    """The stage of a rig for its sheets, which share it."""
+    return RigStage(rig, "front", SIZE)
+
+
+def driver_sheet(driver: Template, stage: RigStage, face: Face) -> np.ndarray:
+    """Both beside each other from the front.
+
+    driver: Template in the shape of the normal face. stage: of `driver_stage`. face: Face of its rig, as it moved.
+    Returns (H, W, 3) uint8.
+    """
+    drawn = stage.picture(face.vertices, face.pictures.skin)
     pictures = [*head_views(driver, ("front",), SIZE), drawn]
     return contact_sheet(pictures, 2, ["driver", "caricature"])
