@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from caricli.geometry.join_meshes import join_meshes
 from caricli.render.face_look import head_eyeballs, with_parts
 from caricli.render.shade import Look
 from caricli.render.sky import mesh_sky
@@ -41,5 +42,6 @@ def head_views(
 
 def head_sky(head: Template) -> np.ndarray:
     """What the vertices of a head and its parts see of the sky, see ``sky_visibility``, for its pictures to share."""
-    whole, _ = with_parts(head, Look(), head.dressed if isinstance(head, WholeHead) else ())
+    parts = head.dressed if isinstance(head, WholeHead) else ()
+    whole = join_meshes([head, *(part.mesh for part in parts)]) if parts else head
     return mesh_sky(whole.vertices, whole.faces)
