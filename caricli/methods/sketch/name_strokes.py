@@ -38,8 +38,6 @@ _NEARLY = 1.1
 _APART = 0.02
 """Share of a face's diagonal: so far below another line, one is not taken for what lies above. Lips of generated faces
 cross by less."""
-_TIE = 1.02
-"""Of the least cost: up to this a network's face does not count, which knows of no hair and no neck."""
 _NEARLY_ALL = 0.9
 """Of the length of the strokes that find curves: a network's face that finds curves for less does not count."""
 _SURELY = 0.9
@@ -97,7 +95,7 @@ def name_strokes(
     best, *others = [start.settled(handles, model, unit).by_parts(seen, handles, model, unit) for start in starts]
     for other in others:
         # What finds curves for short strokes alone, beside an outline that is left, is no better.
-        if _TIE * other.cost < best.cost and other.length > _NEARLY_ALL * best.length:
+        if other.cost < best.cost and other.length > _NEARLY_ALL * best.length:
             best = other
     return rejoined(best.named(), sketch)
 
