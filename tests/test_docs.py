@@ -18,6 +18,8 @@ from PIL import Image, ImageChops, ImageStat
 import caricli
 from caricli.cli import COMMANDS, cli
 from caricli.io.meshes.mesh import read_mesh, write_mesh
+from caricli.io.strict_json import read_json
+from tests.reports import report_rows, untold_keys
 
 ROOT = Path(caricli.__file__).parents[1]
 ASSETS = ROOT / "caricli" / "assets"
@@ -151,6 +153,39 @@ def test_link_check_sees_what_is_broken(tmp_path):
         "[e](README.md#part) `[f](code.md)`\n```\n[g](code.md)\n```\n[h](<gone.txt>)"
     )
     assert broken_links(page, text) == ["gone.md", "gone.png", "gone.jpg", "gone.txt"]
+
+
+# Commands that write no report, and what they write.
+NO_REPORT = {
+    "map-landmarks": "landmarks",
+    "dataset build": "a dataset with its manifest",
+    "dataset import": "likewise",
+    "dataset pictures": "a folder with its manifest",
+    "dataset sketches": "likewise",
+    "dataset textures": "likewise",
+    "dataset show": "a picture",
+    "template export": "a mesh",
+    "render": "pictures",
+    "sketch": "a drawing",
+    "inspect": "nothing",
+}
+
+
+def test_every_report_is_described():
+    assert set(COMMAND_NAMES) - set(report_rows()) == set(NO_REPORT), "each needs a row in docs/formats.md, Reports"
+
+
+@pytest.mark.parametrize("path", sorted(ASSETS.glob("*.json")), ids=lambda path: path.stem)
+def test_what_bundled_reports_hold_is_described(path):
+    value = read_json(path)
+    assert "command" not in value or untold_keys(value) == set()
+
+
+def test_what_no_row_says_is_seen():
+    # What all reports have, an option, a figure of its own, and one of the command that its row names.
+    good = {"command": "fit-coarse", "inputs": {}, "parts": "skin", "coefficients": [], "nme": 1.0}
+    assert untold_keys(good) == set() and untold_keys(good | {"nmes": 1.0, "label": 2}) == {"nmes", "label"}
+    assert untold_keys({"command": "render", "nme": 1.0}) == {"nme"}
 
 
 ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text("utf-8")
