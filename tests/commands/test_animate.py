@@ -13,10 +13,10 @@ from caricli.io.meshes.mesh import write_mesh
 from caricli.io.meshes.obj import read_obj
 from caricli.io.rig import read_rig, write_rig
 from caricli.io.strict_json import read_json
-from caricli.io.takes.track import write_weights
 from caricli.render.rig_stage import RigStage
 from caricli.structures import Mesh, Rig, Track
 from caricli.structures.arkit import ARKIT_NAMES
+from tests.written_weights import write_weights
 
 SHAPES = ("jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "browInnerUp", "tongueOut")
 TIMES = np.arange(6) / 30

@@ -15,7 +15,6 @@ from caricli.io.parsing import legend
 from caricli.io.rig import write_rig
 from caricli.io.session import write_session
 from caricli.io.strict_json import read_json, write_json
-from caricli.io.takes.track import write_weights
 from caricli.store.models import load_model
 from caricli.structures import Animation, Camera, Face, Mesh, Operation, Rig, Session, Sketch, Stroke, StrokeKind, Track
 from caricli.structures.arkit import ARKIT_NAMES
@@ -25,6 +24,7 @@ from caricli.structures.parsing import Region
 from caricli.structures.pictures import Mood, Pictures
 from tests.acted_textures import write_acted_set
 from tests.drawn_pictures import mean_shape, write_drawn_set
+from tests.written_weights import write_weights
 
 COMMAND = "inspect"
 

@@ -45,7 +45,7 @@ from caricli.io.sketches.sketch import read_sketch, write_sketch
 from caricli.io.sketches.svg import read_svg
 from caricli.io.strict_json import parse_json, read_json, write_json
 from caricli.io.takes.cues import read_cues
-from caricli.io.takes.track import read_weights, write_weights
+from caricli.io.takes.track import read_weights
 from caricli.io.training_state import read_state, write_state
 from caricli.methods.edit.handle_points import handle_points
 from caricli.models.checkpoint import model_to_checkpoint
@@ -121,6 +121,7 @@ from caricli.template.annotation import parse_annotation
 from caricli.template.own_parts import read_own_parts
 from caricli.template.template import FittedParts, Template
 from tests.fuzz.mutate import Mutation, mutate_arrays, mutate_glb, mutate_json, mutate_members, mutate_tensors
+from tests.written_weights import write_weights
 
 _RANDOM = np.random.default_rng(0)
 

@@ -13,11 +13,11 @@ from caricli.io.meshes.mesh import write_mesh
 from caricli.io.npz import write_npz
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
-from caricli.io.takes.track import write_weights
 from caricli.models.landmark_map.model import LandmarkMap
 from caricli.models.pca.model import PcaModel
 from caricli.store.any_file import files_beside, load_acquaintances, load_any
 from caricli.structures import Directions, Face, Landmarks, Mesh, Rig, Track
+from tests.written_weights import write_weights
 
 
 @pytest.fixture

@@ -9,9 +9,8 @@ import numpy as np
 from caricli.errors import InputError, naming, shown
 from caricli.io.files import decode_text, read_bytes, text_start, without_utf16
 from caricli.io.npz import read_npz
-from caricli.io.outputs import write_bytes
 from caricli.io.parse_number import parse_number
-from caricli.io.strict_json import format_json, parse_json
+from caricli.io.strict_json import parse_json
 from caricli.io.takes.mediapipe_head import mediapipe_head
 from caricli.io.takes.timecode import timecode_seconds
 from caricli.limits import MAX_FILE_BYTES, MAX_JSON_BYTES, MAX_SHAPES
@@ -82,21 +81,6 @@ def read_weights(path: str | Path, fps: float | None = None) -> Track:
     with naming(path):
         is_own = isinstance(value, dict) and "schema" in value
         return _from_own(value) if is_own else _from_mediapipe(value, fps)
-
-
-def write_weights(path: str | Path, track: Track) -> None:
-    """Write weights as caricli's JSON: fps where the times are even, else the times.
-
-    Raises OutputError when the file cannot be written.
-    """
-    times = np.asarray(track.times, float)
-    fps = (len(times) - 1) / times[-1] if len(times) > 1 else track.fps
-    fps = round(fps, 6)
-    even = 0 < fps <= MAX_FPS and np.array_equal(times, np.arange(len(times)) / fps)
-    value = {"schema": SCHEMA} | ({"fps": fps} if even else {"times": times})
-    value |= {"names": list(track.names), "weights": track.weights}
-    value |= {} if track.head is None else {"head": track.head}
-    write_bytes(path, format_json(value, path, indent=None).encode())
 
 
 def _from_csv(text: str, fps: float | None) -> Track:

@@ -5,11 +5,12 @@ import pytest
 
 from caricli.errors import InputError
 from caricli.io.npz import write_npz
-from caricli.io.takes.track import read_weights, write_weights
+from caricli.io.takes.track import read_weights
 from caricli.methods.animate.resample_weights import resample_weights
 from caricli.store.any_file import load_any
 from caricli.structures import Track
 from caricli.structures.arkit import ARKIT_NAMES
+from tests.written_weights import write_weights
 
 ANGLES = (
     "HeadYaw,HeadPitch,HeadRoll,LeftEyeYaw,LeftEyePitch,LeftEyeRoll,RightEyeYaw,RightEyePitch,RightEyeRoll"
@@ -141,14 +142,6 @@ def test_our_json_comes_back_as_it_was(tmp_path, times, head):
     np.testing.assert_array_equal(track.weights, given.weights)
     if head is not None:
         np.testing.assert_array_equal(track.head, head)
-
-
-def test_a_rate_is_written_as_it_was_meant(tmp_path):
-    for fps in (24, 25, 29.97, 30, 59.94, 60):
-        for count in range(2, 60):
-            track = Track(("grin",), np.arange(count) / fps, np.zeros((count, 1)))
-            write_weights(tmp_path / "a.json", track)
-            assert json.loads((tmp_path / "a.json").read_text())["fps"] == fps
 
 
 def test_arkits_names_take_arkits_spelling_and_others_keep_theirs(tmp_path):
