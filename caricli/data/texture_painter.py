@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from caricli.data.albedo import AlbedoPainter
-from caricli.data.appearance import Appearance, random_appearance
+from caricli.data.appearance import Appearance
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.render.pixels.levels import to_bytes
@@ -34,14 +34,3 @@ class TexturePainter:
         picture = np.zeros((*self.covered.shape, 3), np.uint8)
         picture[self.covered] = to_bytes(self.painter.draw(appearance))
         return pad_texture(picture, self.covered)
-
-
-def draw_albedo(
-    template: Template, generator: np.random.Generator, style: str | None = None, size: int = 1024
-) -> np.ndarray:
-    """A random albedo of a template with UVs.
-
-    style: of STYLES, or None for either. size: texels, width and height.
-    Returns (size, size, 3) uint8 sRGB, the top row first. Raises InputError when there are no UVs.
-    """
-    return TexturePainter(template, size).draw(random_appearance(generator, style))

@@ -11,7 +11,6 @@ import pytest
 from caricli.commands.shared.fit_tasks import COARSE_TASKS
 from caricli.commands.shared.landmark_batch import LandmarkFiles
 from caricli.commands.shared.portrait_chain import PortraitChain, PortraitFiles
-from caricli.data.texture_painter import draw_albedo
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.image import read_image, write_png
 from caricli.io.landmarks import read_landmarks, write_landmarks
@@ -22,6 +21,7 @@ from caricli.render.render_textured import render_textured
 from caricli.store.face_pictures import FaceReader
 from caricli.structures import Camera, Landmarks, Pictures, Rig
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
+from tests.drawn_albedo import soft_skin
 
 CAMERA = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
 SIDE = 300
@@ -43,7 +43,7 @@ def quick(quick_pictures):
 def sitter(head, head_template):
     """A picture of a head, and its 81 landmarks."""
     vertices = head.evaluate(gender=0.3, age=0.6)
-    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    skin = soft_skin(head_template)
     mesh = head_template.with_vertices(vertices.astype(np.float32))
     rig = Rig((), mesh, np.zeros((0, *vertices.shape), np.float32), pictures=Pictures(skin))
     picture = render_textured(rig, CAMERA.place(vertices), SIDE, SIDE, paper=np.array([60.0, 90, 160]))

@@ -9,7 +9,6 @@ import pytest
 import trimesh
 from PIL import Image
 
-from caricli.data.texture_painter import draw_albedo
 from caricli.io.checkpoint import write_checkpoint
 from caricli.io.face import read_face, write_face
 from caricli.io.gltf.read_gltf import read_gltf
@@ -28,6 +27,7 @@ from caricli.store.rig_sources import PictureSources, picture_sources
 from caricli.structures import Camera, Face, Material, Pictures, Rig
 from caricli.template.annotation import parse_annotation
 from caricli.template.chart import face_chart
+from tests.drawn_albedo import soft_skin
 from tests.painted_moods import write_brightener
 
 COMMAND = "texture"
@@ -64,7 +64,7 @@ def scene(head, head_template, tmp_path_factory):
     marks = CAMERA.project(vertices[head_template.annotation.landmarks[:68]])
     mesh = head_template.with_vertices(vertices)
     write_face(folder / "face.npz", Face(mesh, CAMERA, marks))
-    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    skin = soft_skin(head_template)
     still = np.zeros((0, *vertices.shape), np.float32)
     rig = Rig((), mesh.with_vertices(vertices.astype(np.float32)), still, pictures=Pictures(skin))
     write_png(folder / "photo.png", render_textured(rig, CAMERA.place(vertices), SIDE, SIDE, paper=MAGENTA))

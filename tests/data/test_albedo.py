@@ -5,7 +5,7 @@ import pytest
 
 from caricli.data.albedo import albedo_at_vertices, random_albedos, vertex_painter
 from caricli.data.appearance import STYLES, random_appearance
-from caricli.data.texture_painter import TexturePainter, draw_albedo
+from caricli.data.texture_painter import TexturePainter
 from caricli.errors import InputError
 from caricli.structures.mesh import triangle_fans
 
@@ -44,13 +44,9 @@ def test_the_same_generator_gives_the_same_colours(painter, texture, style):
     assert first.shape == (4200, 3) and first.dtype == np.uint8
     assert np.array_equal(first, again) and not np.array_equal(first, other)
     appearances = [random_appearance(np.random.default_rng(1), style) for _ in range(2)]
-    assert np.array_equal(*(texture.draw(appearance) for appearance in appearances))
-
-
-def test_a_texture_in_one_call(head_template, texture):
-    picture = draw_albedo(head_template, np.random.default_rng(4), "soft", SIZE)
-    assert picture.shape == (SIZE, SIZE, 3) and picture.dtype == np.uint8
-    assert np.array_equal(picture, texture.draw(random_appearance(np.random.default_rng(4), "soft")))
+    pictures = [texture.draw(appearance) for appearance in appearances]
+    assert pictures[0].shape == (SIZE, SIZE, 3) and pictures[0].dtype == np.uint8
+    assert np.array_equal(*pictures)
 
 
 def test_both_styles_are_drawn_unless_one_is_asked_for():
@@ -137,4 +133,4 @@ def test_an_annotation_of_landmarks_alone_is_enough(head_template):
 
 def test_albedos_need_uvs(head_template):
     with pytest.raises(InputError, match="UVs"):
-        draw_albedo(replace(head_template, uvs=None, uv_polygons=None), np.random.default_rng(0))
+        TexturePainter(replace(head_template, uvs=None, uv_polygons=None), SIZE)

@@ -9,7 +9,6 @@ from PIL import Image
 from skimage import data
 
 import caricli
-from caricli.data.texture_painter import draw_albedo
 from caricli.errors import InputError
 from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks
@@ -17,6 +16,7 @@ from caricli.methods.detect.see_face import see_face
 from caricli.render.render_textured import render_textured
 from caricli.store.detector import load_detector
 from caricli.structures import Camera, Pictures, Rig
+from tests.drawn_albedo import soft_skin
 
 ROOT = Path(caricli.__file__).parents[1]
 FAR = 8.0  # percent of the diagonal, from which on landmarks are another face's
@@ -143,7 +143,7 @@ def test_a_face_that_is_hard_to_see_is_never_confidently_wrong(name, detector, p
 
 def test_a_profile_is_never_confidently_wrong(detector, head, head_template):
     vertices = head.evaluate(gender=0.3, age=0.6)
-    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    skin = soft_skin(head_template)
     mesh = head_template.with_vertices(vertices.astype(np.float32))
     rig = Rig((), mesh, np.zeros((0, *vertices.shape), np.float32), pictures=Pictures(skin))
     turn = np.radians(80)

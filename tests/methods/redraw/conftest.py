@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 import pytest
 
-from caricli.data.texture_painter import draw_albedo
 from caricli.methods.redraw.original import Original
 from caricli.methods.rig.make_rig import make_rig
 from caricli.render.render_textured import render_textured
@@ -15,6 +14,7 @@ from caricli.structures import Camera, Depiction, Material, Pictures, Rig
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
 from caricli.template.template import Template
+from tests.drawn_albedo import soft_skin
 
 SIDE = 200
 WALL = np.array([90.0, 140, 200])
@@ -67,5 +67,5 @@ class Stage:
 def stage(head, head_template):
     """A Stage of a person whom no model was trained on."""
     shape = head_template.with_vertices(head.evaluate(gender=0.3, age=0.6))
-    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    skin = soft_skin(head_template)
     return Stage(make_rig(shape, pictures=Pictures(skin)).rig, head_template)

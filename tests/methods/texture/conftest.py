@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from caricli.data.texture_painter import draw_albedo
 from caricli.render.render_textured import render_textured
 from caricli.structures import Camera, Face, Pictures, Rig
 from caricli.template.template import Template
+from tests.drawn_albedo import soft_skin
 
 SIDE = 240
 MAGENTA = np.array([255.0, 0, 255])
@@ -31,7 +31,7 @@ def pictured(head, head_template):
     shape = head_template.with_vertices(head.evaluate(gender=0.3, age=0.6))
     camera = Camera(840.0, np.diag([1.0, -1.0, -1.0]), np.array([120.0, 232.0]))
     marks = camera.project(shape.vertices[shape.annotation.landmarks[:68]])
-    skin = draw_albedo(head_template, np.random.default_rng(3), "soft", 256)
+    skin = soft_skin(head_template)
     still = np.zeros((0, *shape.vertices.shape), np.float32)
     rig = Rig((), shape.with_vertices(shape.vertices.astype(np.float32)), still, pictures=Pictures(skin))
     image = render_textured(rig, camera.place(shape.vertices), SIDE, SIDE, paper=MAGENTA)
