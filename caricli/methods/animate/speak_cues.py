@@ -1,6 +1,6 @@
 """Speech from mouth cues and visemes: shapes that run into each other, and lips that close where they must."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,10 +31,7 @@ class SpeechSettings:
     hold: float = 0.05
 
 
-SPEECH = SpeechSettings()
-
-
-def speak_cues(cues: Cues, rate: float, settings: SpeechSettings = SPEECH) -> Track:
+def speak_cues(cues: Cues, rate: float) -> Track:
     """The Track of a mouth that says cues.
 
     Every shape has a dominance over time, after Cohen and Massaro (1993): its cue, smoothed by a Hann window. The
@@ -49,7 +46,7 @@ def speak_cues(cues: Cues, rate: float, settings: SpeechSettings = SPEECH) -> Tr
         raise InputError(f"expected at most {MAX_FRAMES} frames, found {cues.end:g} seconds at {rate:g} a second")
     times = np.arange(count) / rate
     # No contact may fall between two frames.
-    settings = replace(settings, hold=max(settings.hold, 1 / rate))
+    settings = SpeechSettings(hold=max(SpeechSettings.hold, 1 / rate))
     return act_visemes(Track(SHAPES, times, _dominances(cues, times, settings)))
 
 
