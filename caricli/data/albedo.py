@@ -218,11 +218,6 @@ class AlbedoPainter:
         return smooth_step(grown, 0.5 - 2 * edge, 0.5 + 2 * edge) if appearance.flat else grown
 
 
-def albedo_at_vertices(painter: AlbedoPainter, generator: np.random.Generator, style: str | None = None) -> np.ndarray:
-    """A random albedo (V, 3) uint8 sRGB of a ``vertex_painter``. style: of STYLES, or None for either."""
-    return to_bytes(painter.draw(random_appearance(generator, style)))
-
-
 def vertex_painter(template: Template) -> AlbedoPainter:
     """The AlbedoPainter whose places are the vertices."""
     return mesh_painter(template, sp.identity(len(template.vertices), format="csr"), template.faces)
@@ -242,7 +237,7 @@ def random_albedos(template: Template, seed: int, count: int = ALBEDOS) -> np.nd
     """(count, V, 3) uint8 sRGB at the vertices; the same seed gives the same."""
     painter = vertex_painter(template)
     generator = np.random.default_rng(seed)
-    return np.stack([albedo_at_vertices(painter, generator) for _ in range(count)])
+    return np.stack([to_bytes(painter.draw(random_appearance(generator))) for _ in range(count)])
 
 
 def _pigmented(melanin: np.ndarray | float, blood: np.ndarray | float) -> np.ndarray:

@@ -15,9 +15,7 @@ SHRINK = 2e-4
 """Weight of the latent's length against the features' distance in the projections."""
 
 
-def exaggerate_parts(
-    vertices: np.ndarray, changes: np.ndarray, hand: np.ndarray, model: IntrinsicModel, rounds: int = ROUNDS
-) -> np.ndarray:
+def exaggerate_parts(vertices: np.ndarray, changes: np.ndarray, hand: np.ndarray, model: IntrinsicModel) -> np.ndarray:
     """Change the parts of a face.
 
     Alternates the elastic solve in which the 81 landmarks make their moves with the projection of the result's
@@ -34,7 +32,7 @@ def exaggerate_parts(
     features = gradients.features(vertices)
     latent = model.features_to_latent(features, SHRINK)
     rest = features - model.features(latent)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         shape = gradients.vertices(model.features(latent) + rest)
         moves = target - shape[landmarks]
         shape += model.template.anchors.move(landmarks, moves, STRENGTH)

@@ -14,16 +14,19 @@ _BATCH = 32
 _MOST_SHAPES = 4000
 """Shapes whose components are counted: their Gram matrix takes 128 MB."""
 
+_SHARE = 0.99
+"""Of the variance that components are to explain."""
 
-def components_for(shapes: np.ndarray, share: float = 0.99) -> int:
-    """How many principal components explain a share of the variance of shapes (N, V, 3), at most 4,000 of them."""
+
+def components_for(shapes: np.ndarray) -> int:
+    """How many principal components explain 99 % of the variance of shapes (N, V, 3), at most 4,000 of them."""
     shapes = shapes[:: -(-len(shapes) // _MOST_SHAPES)]
     rows = shapes.reshape(len(shapes), -1).astype(np.float64)
     rows -= rows.mean(0)
     # The smaller of the two Gram matrices has the same spectrum.
     gram = rows @ rows.T if len(rows) < rows.shape[1] else rows.T @ rows
     spectrum = np.maximum(eigvalsh(gram)[::-1], 0)
-    return int((np.cumsum(spectrum) < share * spectrum.sum()).sum()) + 1
+    return int((np.cumsum(spectrum) < _SHARE * spectrum.sum()).sum()) + 1
 
 
 def summarise_dataset(data: Dataset) -> Iterator[str]:

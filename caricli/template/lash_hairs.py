@@ -46,11 +46,12 @@ class LashHairs:
     weights: sp.csr_matrix
 
 
-def lash_hairs(strips: Mesh, style: LashStyle = LashStyle()) -> LashHairs:  # noqa: B008 (frozen)
+def lash_hairs(strips: Mesh) -> LashHairs:
     """Lashes along strips.
 
     strips: Mesh of grids of quads, each with one long side behind the edge of a lid, at lower z, and one that is free.
     """
+    style = LashStyle()
     labels = component_labels(strips.faces, len(strips.vertices))
     rings = np.repeat(np.arange(len(style.rows)), [SIDES] * (len(style.rows) - 1) + [1])
     weights, offsets = [], []

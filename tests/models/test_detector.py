@@ -30,7 +30,9 @@ def detector():
     numbers = np.random.default_rng(0)
     usual = UsualShapes.of(numbers.normal(size=(40, 136)), 3)
     jaw = JawPlaces(numbers.normal(size=(14, 136)), np.linspace(0, 1, 14), usual)
-    return detector_of(network, 64, Calibration(1.5, jaw, (0.25, -0.1)), {"seed": 0})
+    detector = detector_of(network, 64, {"seed": 0})
+    detector.calibration = Calibration(1.5, jaw, (0.25, -0.1))
+    return detector
 
 
 def test_blobs_have_their_mean_and_their_spread():
@@ -105,8 +107,12 @@ def test_cells_tell_where_faces_are_in_the_pixels_of_the_window():
 
 def test_doubts_are_multiplied_by_the_trust(detector):
     windows = np.random.default_rng(2).integers(0, 256, (1, 64, 64, 3), np.uint8)
-    network = network_of(detector)
-    first, second = (detector_of(network, 64, Calibration(trust)).read(windows) for trust in (1.5, 3.0))
+    other = detector_of(network_of(detector), 64)
+    reads = []
+    for trust in (1.5, 3.0):
+        other.calibration = Calibration(trust)
+        reads.append(other.read(windows))
+    first, second = reads
     np.testing.assert_allclose(second.covariance, 4 * first.covariance, rtol=1e-5)
     np.testing.assert_array_equal(second.points, first.points)
 

@@ -33,6 +33,9 @@ PART = 0.25
 BENT = 10.0
 """Change of mean normal curvature, for one over the neutral face's width, whose map is tanh 1."""
 
+REACH = 0.03
+"""Of the neutral face's width: the displacement whose attention is 0.63."""
+
 _WAYS = DIRECTIONS[::3]
 _OWN = 7  # channels of one shape
 GAP = 6  # which of them is the gap
@@ -189,19 +192,18 @@ def pair_maps(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.n
     return np.concatenate([skin, mouth], axis=-1)
 
 
-def pair_attention(grid: ChartGrid, source: ShapeFields, target: ShapeFields, reach: float = 0.03) -> np.ndarray:
+def pair_attention(grid: ChartGrid, source: ShapeFields, target: ShapeFields) -> np.ndarray:
     """Where the paint changes, told from where the surface moves (expressions paper, section 3.3.2).
 
-    ``1 - exp(-moved / reach)``; between the lips what their gap changes counts as moved, too.
+    ``1 - exp(-moved / REACH)``; between the lips what their gap changes counts as moved, too.
 
-    reach: displacement for the neutral face's width that makes it 0.63.
     Returns (..., S, S) float32 from 0 to 1.
     """
     moved = np.linalg.norm(target.places - source.places, axis=-1)
     parted = PART * (target.values[..., GAP] - source.values[..., GAP])
     baked = _baked(grid, np.stack([moved, parted], axis=-1))
     change = np.where(grid.mouth, np.maximum(baked[..., 0], np.abs(baked[..., 1])), baked[..., 0])
-    return 1 - np.exp(-change / np.float32(reach))
+    return 1 - np.exp(-change / np.float32(REACH))
 
 
 def _baked(grid: ChartGrid, values: np.ndarray) -> np.ndarray:

@@ -44,16 +44,14 @@ class SampledFace:
         }
 
 
-def sample_faces(
-    model: ShapeModel, generator: np.random.Generator, spread: float = 1.0, max_flipped: float = MAX_FLIPPED
-) -> Iterator[SampledFace]:
+def sample_faces(model: ShapeModel, generator: np.random.Generator, spread: float = 1.0) -> Iterator[SampledFace]:
     """Draw faces from a model's prior for as long as they are asked for.
 
     Flipped triangles are turned back and cavities tucked behind the skin; a face that keeps too many flipped ones is
     rejected for another draw. Faces of a morphable model wear colours of it.
 
     model: ShapeModel. generator: of the draws. spread: factor of the prior's standard deviation; smaller is nearer to
-    the mean face. max_flipped: share of flipped triangles up to which a face is taken.
+    the mean face.
     Yields SampledFace. Raises NumericsError after ``TRIES`` rejections in a row.
     """
     template = model.template
@@ -63,7 +61,7 @@ def sample_faces(
         drawn = model.decode(latent)
         vertices = template.mended(drawn)
         before, after = (float(flipped_triangles(v, template.gradients).mean()) for v in (drawn, vertices))
-        if after > max_flipped:
+        if after > MAX_FLIPPED:
             rejected += 1
             continue
         face = Face(template.with_vertices(vertices), latent=latent, model_id=model.model_id)
@@ -73,6 +71,6 @@ def sample_faces(
         yield SampledFace(encode_face(face, model), before, after, rejected)
         rejected = 0
     raise NumericsError(
-        f"{TRIES} random faces in a row had more than {100 * max_flipped:g} % flipped triangles: a smaller spread "
+        f"{TRIES} random faces in a row had more than {100 * MAX_FLIPPED:g} % flipped triangles: a smaller spread "
         f"than {spread:g} may help"
     )

@@ -74,17 +74,11 @@ def mark_handles(
     return replace(selection, handles=change(selection.handles, ids))
 
 
-def select_region(
-    face: Face,
-    camera: Camera,
-    stroke: np.ndarray,
-    selection: Selection,
-    settings: GestureSettings = GestureSettings(),  # noqa: B008 (frozen)
-) -> Selection:
+def select_region(face: Face, camera: Camera, stroke: np.ndarray, selection: Selection) -> Selection:
     """The region of interest within a closed stroke: what is seen there, and what of the surface belongs to it.
 
-    What is hidden within the stroke belongs to it as far as ``settings.behind`` along the surface, and so does every
-    pocket that only the region leads to: nostrils, and the mouth where all of it is within.
+    What is hidden within the stroke belongs to it as far as ``GestureSettings.behind`` along the surface, and so does
+    every pocket that only the region leads to: nostrils, and the mouth where all of it is within.
 
     face: Face. camera: Camera of the view. stroke: (N, 2) pixels; its end is joined to its beginning.
     Returns the Selection with this region in the place of its own. Raises InputError where nothing is within.
@@ -96,7 +90,7 @@ def select_region(
         raise InputError("expected a closed stroke around a part of the face, found none of it within")
     size = float(np.linalg.norm(np.ptp(face.vertices[skin], axis=0)))
     ways = surface_ways(face.vertices, face.faces, within)
-    near = dijkstra(ways, indices=np.flatnonzero(skin), limit=settings.behind * size, min_only=True)
+    near = dijkstra(ways, indices=np.flatnonzero(skin), limit=GestureSettings.behind * size, min_only=True)
     region = with_pockets(face.faces, np.isfinite(near) & within)
     return replace(selection, region=np.flatnonzero(region), skin=np.flatnonzero(skin))
 

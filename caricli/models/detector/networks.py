@@ -12,7 +12,6 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from caricli.models.detector.calibration import Calibration
 from caricli.models.detector.config import HALF, DetectorSize
 from caricli.models.detector.model import LANDMARKS, Detector
 from caricli.models.detector.weights import DetectorWeights
@@ -131,11 +130,9 @@ class DetectorNetwork(nn.Module):
         return HeatMaps(logits, mean, total.log() + highest[:, :, 0, 0], covariance, about[..., 2])
 
 
-def detector_of(
-    network: DetectorNetwork, size: int, calibration: Calibration | None = None, recipe: Any = None
-) -> Detector:
-    """The Detector that uses the weights of a network, in half precision. For the others see Detector."""
-    return Detector(DetectorWeights(network_weights(network), network.size), size, calibration, recipe)
+def detector_of(network: DetectorNetwork, size: int, recipe: Any = None) -> Detector:
+    """The Detector that uses the weights of a network, in half precision. size, recipe: see Detector."""
+    return Detector(DetectorWeights(network_weights(network), network.size), size, recipe=recipe)
 
 
 def network_of(detector: Detector) -> DetectorNetwork:

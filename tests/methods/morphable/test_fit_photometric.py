@@ -123,7 +123,7 @@ def test_worn_colours_are_those_of_the_vertices(model):
     colours = np.zeros_like(model.mean)
     colours[:, 0] = 1
     colours[model.template.region("face")] = [0, 0, 1]
-    face = wear_colours(Face(model.template), model.template, colours, 64)
+    face = wear_colours(Face(model.template), model.template, colours)
     counts = {tuple(c) for c in face.pictures.skin.reshape(-1, 3)}
     assert {(255, 0, 0), (0, 0, 255)} <= counts
     # What closes the neck goes on from its edge.

@@ -18,7 +18,8 @@ from caricli.structures.parsing import Region
 def test_it_sees_what_readers_of_pictures_see():
     network = DetectorNetwork(DetectorSize(8, 16, 1), 81, len(Region), torch.Generator().manual_seed(0))
     torch.nn.init.normal_(network.heat.weight, std=3.0, generator=torch.Generator().manual_seed(1))
-    detector = detector_of(network, 64, Calibration(1.5))
+    detector = detector_of(network, 64)
+    detector.calibration = Calibration(1.5)
     generator = np.random.default_rng(0)
     picture = generator.integers(0, 256, (64, 64, 3), np.uint8)
     # A frame whose window is the picture.
