@@ -21,7 +21,7 @@ from caricli.render.sky import sky_visibility
 from caricli.render.smooth_normals import smooth_normals
 from caricli.structures import Part
 from caricli.structures.arkit import alone
-from caricli.structures.landmarks import COUNT, POINT_NAMES
+from caricli.structures.landmarks import COUNT, JAW, POINT_NAMES
 from caricli.structures.parsing import Region
 from caricli.template.template import Template
 
@@ -70,7 +70,7 @@ class Stage:
         self.marks = painter.marks[:COUNT, :2]
         corners = [POINT_NAMES["eye_outer_right"], POINT_NAMES["eye_outer_left"]]
         self.unit = float(np.linalg.norm(np.subtract(*template.vertices[template.annotation.landmarks[corners]])))
-        front = float(painter.marks[[0, 16], 2].mean())
+        front = float(painter.marks[[JAW[0], JAW[-1]], 2].mean())
         self.ground = CreaseGround(self.wardrobe.fine, painter.places, front)
         self.flushed = FlushedSkin(painter)
 

@@ -5,14 +5,14 @@ Every function takes the 68 landmarks (68, 2), and the side where there are two:
 
 import numpy as np
 
-from caricli.structures.landmarks import POINT_NAMES
+from caricli.structures.landmarks import BROWS, JAW, LIPS, LOWER_LID, LOWER_LIP, POINT_NAMES, UPPER_LIP
 
 _STEPS = 40  # points of a line
 _OUTER = {-1: POINT_NAMES["eye_outer_right"], 1: POINT_NAMES["eye_outer_left"]}
-_LOWER = {-1: (36, 41, 40, 39), 1: (45, 46, 47, 42)}
-_WING = {-1: 31, 1: 35}
-_CORNER = {-1: 48, 1: 54}
-_JAW = {-1: 6, 1: 10}
+_LOWER = {-1: LOWER_LID["right"][::-1], 1: LOWER_LID["left"][::-1]}
+_WING = {-1: POINT_NAMES["nostril_right"], 1: POINT_NAMES["nostril_left"]}
+_CORNER = {-1: POINT_NAMES["mouth_corner_right"], 1: POINT_NAMES["mouth_corner_left"]}
+_JAW = {-1: JAW[6], 1: JAW[10]}
 
 
 def usual_lines(marks: np.ndarray) -> list[np.ndarray]:
@@ -28,13 +28,13 @@ def usual_lines(marks: np.ndarray) -> list[np.ndarray]:
 
 def forehead_line(marks: np.ndarray, rise: float) -> np.ndarray:
     """A line across the forehead. rise: above the brows."""
-    height = marks[17:27, 1].max() + rise
+    height = marks[BROWS, 1].max() + rise
     return curve([-0.5, height], [0, height + 0.06], [0.5, height])
 
 
 def frown_line(marks: np.ndarray, side: int) -> np.ndarray:
     """The upright line between the brows that a frown draws."""
-    brow = marks[17:27, 1].max()
+    brow = marks[BROWS, 1].max()
     x = 0.06 * side
     return curve([x, brow + 0.02], [1.2 * x, brow - 0.08], [x, brow - 0.2])
 
@@ -102,9 +102,9 @@ def lip_line(marks: np.ndarray, side: int, share: float, length: float) -> np.nd
 
     length: beyond the lip.
     """
-    outline = marks[48:55] if side > 0 else marks[[48, 59, 58, 57, 56, 55, 54]]
+    outline = marks[list(UPPER_LIP if side > 0 else LOWER_LIP)]
     at = np.array([np.interp(share, np.linspace(0, 1, 7), outline[:, k]) for k in (0, 1)])
-    middle = marks[48:60].mean(0)
+    middle = marks[LIPS].mean(0)
     way = np.array([0.5 * (at[0] - middle[0]), 0.16 * side])
     way /= np.linalg.norm(way)
     return curve(at - 0.05 * way, at + 0.3 * length * way, at + length * way)

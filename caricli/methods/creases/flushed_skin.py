@@ -6,7 +6,7 @@ import numpy as np
 
 from caricli.data.albedo import BLOOD, AlbedoPainter
 from caricli.geometry.smooth_step import smooth_step
-from caricli.structures.landmarks import POINT_NAMES
+from caricli.structures.landmarks import LOWER_LID, POINT_NAMES
 
 _EFFORT = {"browDown": 0.3, "noseSneer": 0.35, "cheekPuff": 0.7, "mouthSmile": 0.25, "jawOpen": 0.25, "mouthFrown": 0.2,
            "eyeSquint": 0.2}  # fmt: skip
@@ -26,8 +26,8 @@ class FlushedSkin:
         """painter: AlbedoPainter of the places."""
         marks = painter.marks
         nose = marks[POINT_NAMES["nose_tip"]]
-        cheeks = [0.5 * (marks[eye] + marks[corner]) + [side * 0.08, 0, 0] for eye, corner, side in
-                  ((41, 48, -1), (46, 54, 1))]  # fmt: skip
+        cheeks = [0.5 * (marks[LOWER_LID[side][2]] + marks[POINT_NAMES[f"mouth_corner_{side}"]]) + [out * 0.08, 0, 0]
+                  for side, out in (("right", -1), ("left", 1))]  # fmt: skip
         self.area = np.zeros(len(painter.places))
         for centre, radius, share in ((nose, 0.2, 0.7), (cheeks[0], 0.3, 1.0), (cheeks[1], 0.3, 1.0)):
             self.area += share * np.exp(-((np.linalg.norm(painter.places - centre, axis=1) / radius) ** 2))
