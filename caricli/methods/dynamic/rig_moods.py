@@ -119,10 +119,10 @@ class MoodPainter:
 
     def _shown_weights(self, vertices: np.ndarray) -> np.ndarray:
         """(K,) weights from 0 to 1 of the rig's expressions whose sum is nearest to vertices (V, 3)."""
-        columns = self.deltas[:, ::_EVERY].reshape(len(self.deltas), -1)
         way = (vertices - self.neutral)[::_EVERY].ravel()
-        if np.abs(way).max() < _LEAST or not len(columns):
-            return np.zeros(len(columns))
+        if not len(self.deltas) or np.abs(way).max() < _LEAST:
+            return np.zeros(len(self.deltas))
+        columns = self.deltas[:, ::_EVERY].reshape(len(self.deltas), -1)
         return lsq_linear(columns.T, way, (0, 1)).x
 
 

@@ -85,6 +85,12 @@ def test_what_the_picture_shows_is_told_by_the_expressions(head, head_template, 
     assert not painter(head, head_template, rig, picture).code.any()
 
 
+def test_of_a_rig_without_expressions_none_is_told(head, head_template, rig, picture):
+    bare = replace(rig, names=(), deltas=rig.deltas[:0], actions=np.zeros((0, len(ARKIT_NAMES)), np.float32))
+    own = painter(head, head_template, bare, picture, jawOpen=1)
+    assert not own.code.any() and own.paint(np.zeros(0)).shape == picture.shape
+
+
 def test_moods_are_pictures_of_the_skin(head, head_template, rig, picture):
     moods = painter(head, head_template, rig, picture).moods({"shout": {"jawOpen": 0.8, "browInnerUp": 0.3}})
     assert [mood.name for mood in moods] == ["shout"]
