@@ -25,7 +25,7 @@ from caricli.errors import CaricliError
 from caricli.methods.detect.parse_face import parse_face
 from caricli.methods.detect.see_face import see_face
 from caricli.methods.hair.mask_hair import mask_hair
-from caricli.methods.hair.parsed_hair import parsed_hair
+from caricli.methods.hair.parsed_hair import is_before_head, parsed_hair
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.methods.reconstruct.snap_eyes import snap_eyes
 from caricli.methods.texture.mask_head import mask_head, mesh_pixels
@@ -61,9 +61,10 @@ def by_regions(face, image, detector, template):
     head = parsed_head(parsed.regions, pixels, image)
     if head is None:
         return None
-    hair = parsed_hair(face, parsed.regions, pixels, image) or mask_hair(face, template, image)
-    hair = hair.pixels
-    return head.whole, head.paint & ~around(hair, face), hair, seconds
+    hair = parsed_hair(face, parsed.regions, pixels, image)
+    if hair is None or not is_before_head(hair, pixels):
+        hair = mask_hair(face, template, image)
+    return head.whole, head.paint & ~around(hair.pixels, face), hair.pixels, seconds
 
 
 def by_colours(face, image, template):

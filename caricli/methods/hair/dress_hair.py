@@ -11,8 +11,7 @@ from caricli.methods.hair.make_shell import make_shell
 from caricli.methods.hair.mask_hair import HairMask, mask_hair
 from caricli.methods.hair.move_skull import sink_skull
 from caricli.methods.hair.paint_hair import paint_hair
-from caricli.methods.hair.parsed_hair import on_head, parsed_hair
-from caricli.methods.hair.settings import MaskSettings
+from caricli.methods.hair.parsed_hair import is_before_head, on_head, parsed_hair
 from caricli.methods.hair.snap_border import snap_border
 from caricli.methods.texture.another_colour import lab_colours
 from caricli.methods.texture.mask_head import mesh_pixels
@@ -28,7 +27,6 @@ from caricli.template.template import Template
 _NEEDED = (*EARS, "scalp")
 _AROUND = 0.1  # of the head's height: farther from head and hair a picture says nothing of hair
 _LIKE = 2 / 3  # overlap of a shell with what colours, or labels far from the head, take for hair; with less it is none
-_FAR = MaskSettings(over=0.0)  # how hair is told, however little of it is before the head
 _TORN = 0.5  # of a labelled hat: colours that take less than that of it tear it
 _MEET = 0.063  # of the face's size: so near to each other hair and what is behind it meet
 _UNLIKE = 12.0  # in CIELAB, between the mean colours there: what is no farther from it than this goes on as a wall
@@ -77,10 +75,9 @@ def dress_hair(
     pixels = mesh_pixels(face, image) if pixels is None else pixels
     if regions is not None:
         mask = parsed_hair(face, regions, pixels, image)
-        if mask is not None:
+        if mask is not None and is_before_head(mask, pixels):
             return _put_on(face, template, mask, settings)
         # A wall that is labelled hair, or a wig, which has an edge, and which a shell is like.
-        mask = parsed_hair(face, regions, pixels, image, _FAR)
         if mask is not None and _stands_out(face, mask, image):
             dressed = _put_on(face, template, mask, replace(settings, hair="auto"))
             if dressed is not None and dressed.overlap >= _LIKE:

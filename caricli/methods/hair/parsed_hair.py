@@ -24,13 +24,7 @@ _PATCH = 0.35  # of the hair: larger parts that are labelled hat are one, whatev
 _CERTAIN = 0.4  # probabilities that are farther from a half
 
 
-def parsed_hair(
-    face: Face,
-    regions: np.ndarray,
-    pixels: np.ndarray,
-    image: np.ndarray,
-    settings: MaskSettings = MaskSettings(),  # noqa: B008 (frozen)
-) -> HairMask | None:
+def parsed_hair(face: Face, regions: np.ndarray, pixels: np.ndarray, image: np.ndarray) -> HairMask | None:
     """The hair that hangs on a head; a few pixels of hats among it are none, and a hat beside the head is a wall.
 
     Regions are coarse: near their border colours say what is hair. Brows, eyes and lips stay what they are.
@@ -38,9 +32,9 @@ def parsed_hair(
     face: Face with landmarks. regions: (H, W) values of Region. pixels: (H, W) bool, those that the face's mesh covers.
     image: (H, W, 3) uint8.
     Returns HairMask, whose doubt is one minus the expected intersection over union with what is hair, by its colours,
-    times the share that hair has of hats and hair; or None where the network is unsure, takes much of it for a hat, or
-    little of it is before the head: then this is rather the wall behind it.
+    times the share that hair has of hats and hair; or None where the network is unsure, or takes much of it for a hat.
     """
+    settings = MaskSettings()
     points = face.require_landmarks()[:COUNT]
     size = face_size(face)
     hats = regions == Region.HAT
@@ -59,13 +53,18 @@ def parsed_hair(
         cut = (probable > 0.5) & ~other & ~features
         own = on_head(cut, pixels, settings.crumb * size**2, settings.gap * size)
         doubt = 1 - (1 - doubt) * _certainty(own, probable)
-        if doubt > settings.unsure or (own & pixels).sum() < settings.over * own.sum():
+        if doubt > settings.unsure:
             return None
     # What colours take from the hair is what is next to it.
     beside = regions if hair.all() else regions[nearest_pixel(~hair)]
     enclosed = cv2.contourArea(cv2.convexHull(points[np.isfinite(points).all(1)].astype(np.float32)))
     enough = own.sum() >= settings.least * enclosed
     return HairMask(own, np.isin(beside, _AROUND) & ~own, doubt, bool(enough and doubt <= settings.doubt))
+
+
+def is_before_head(mask: HairMask, pixels: np.ndarray) -> bool:
+    """Whether enough of what is labelled hair is before the head (H, W) bool; else it is rather the wall behind it."""
+    return bool((mask.pixels & pixels).sum() >= MaskSettings().over * mask.pixels.sum())
 
 
 def _coloured_as_hair(regions: np.ndarray, image: np.ndarray) -> np.ndarray:

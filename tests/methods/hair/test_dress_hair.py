@@ -9,7 +9,7 @@ from caricli.errors import InputError
 from caricli.methods.hair.bare_skin import bare_skin
 from caricli.methods.hair.dress_hair import dress_hair, hair_picture
 from caricli.methods.hair.mask_hair import HairMask
-from caricli.methods.hair.parsed_hair import parsed_hair
+from caricli.methods.hair.parsed_hair import is_before_head, parsed_hair
 from caricli.methods.texture.parsed_head import ParsedHead
 from caricli.methods.texture.settings import PaintSettings
 from caricli.render.visibility.rasterise import rasterise
@@ -117,7 +117,7 @@ def test_hair_that_is_mostly_beside_the_head_is_hair_where_a_shell_is_like_it(si
     regions = np.select([hair, shown], [Region.HAIR, Region.SKIN], Region.BACKGROUND)
     brown = ~(shown & ~hair) if shown_as == "wall like a wig" else hair
     image = np.where(brown[..., None], BROWN, sitter.bald).astype(np.uint8)
-    assert parsed_hair(sitter.face, regions, shown, image) is None
+    assert not is_before_head(parsed_hair(sitter.face, regions, shown, image), shown)
     dressed = dress_hair(sitter.face, sitter.head, image, SMALL, regions)
     assert (dressed is not None) == (shown_as == "wig")
     if dressed is not None:

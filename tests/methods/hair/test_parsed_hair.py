@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from caricli.methods.hair.parsed_hair import parsed_hair
+from caricli.methods.hair.parsed_hair import is_before_head, parsed_hair
 from caricli.structures import Camera, Face
 from caricli.structures.parsing import Region
 
@@ -112,12 +112,13 @@ def test_a_wall_that_passes_for_hat_and_hair_says_nothing_of_hair(face, pixels):
         *((Region.HAT, (0, 30), (0, 12)), (Region.HAT, (0, 30), (68, 90)), (Region.HAIR, (0, 17), (12, 68))),
         (Region.SKIN, (17, 70), (15, 65)),
     )
-    assert parsed_hair(face, regions, pixels, painted(regions)) is None
+    assert not is_before_head(parsed_hair(face, regions, pixels, painted(regions)), pixels)
 
 
 def test_a_wall_above_a_bald_head_is_not_its_hair(face, pixels):
-    regions = labels((Region.HAIR, (0, 17), (5, 75)), (Region.SKIN, (17, 70), (15, 65)))
-    assert parsed_hair(face, regions, pixels, painted(regions)) is None
+    wall, hair = (labels((Region.HAIR, (0, last), (5, 75)), (Region.SKIN, (last, 70), (15, 65))) for last in (17, 25))
+    assert not is_before_head(parsed_hair(face, wall, pixels, painted(wall)), pixels)
+    assert is_before_head(parsed_hair(face, hair, pixels, painted(hair)), pixels)
 
 
 def test_hair_before_a_wall_of_its_colour_ends_where_the_regions_say(face, pixels):
@@ -142,7 +143,7 @@ def test_brows_next_to_hair_are_none(face, pixels):
 def test_a_bald_head_has_none(face, pixels):
     regions = labels((Region.SKIN, (15, 70), (15, 65)))
     mask = parsed_hair(face, regions, pixels, painted(regions))
-    assert not mask.pixels.any() and not mask.trusted
+    assert not mask.pixels.any() and not mask.trusted and is_before_head(mask, pixels)
 
 
 def test_hair_ends_where_the_picture_says(face, pixels):
