@@ -57,7 +57,7 @@ def parsed_hair(face: Face, regions: np.ndarray, pixels: np.ndarray, image: np.n
             return None
     # What colours take from the hair is what is next to it.
     beside = regions if hair.all() else regions[nearest_pixel(~hair)]
-    enclosed = cv2.contourArea(cv2.convexHull(points[np.isfinite(points).all(1)].astype(np.float32)))
+    enclosed = cv2.contourArea(cv2.convexHull(points.astype(np.float32)))
     enough = own.sum() >= settings.least * enclosed
     return HairMask(own, np.isin(beside, _AROUND) & ~own, doubt, bool(enough and doubt <= settings.doubt))
 

@@ -44,7 +44,7 @@ class PictureZones:
         self._cut(face, image, settings)
         points = self.points
         rows, columns = np.mgrid[: self.shape[0], : self.shape[1]]
-        self.enclosed = inside_polygon(_finite(points[list(OUTLINE)]), self.shape)
+        self.enclosed = inside_polygon(points[list(OUTLINE)], self.shape)
         self.features = facial_features(points, self.size, self.shape, settings)
         self.inner = (distance_transform_edt(self.enclosed) > settings.core * self.size) & ~self.features
         self.brows = points[list(BROWS), 1].mean()
@@ -119,19 +119,15 @@ class PictureZones:
 def facial_features(points: np.ndarray, size: float, shape: tuple[int, int], settings: MaskSettings) -> np.ndarray:
     """(H, W) bool: brows, eyes and lips of landmarks, with a margin; whatever their colours, they are not hair.
 
-    points: (68, 2) pixels, NaN where unknown. size: pixels, of the face. shape: H and W.
+    points: (68, 2) pixels. size: pixels, of the face. shape: H and W.
     """
     mask = np.zeros(shape, np.uint8)
     for part in (BROW_RIGHT, BROW_LEFT):
-        line = np.round(_finite(points[list(part)])).astype(np.int32)
+        line = np.round(points[list(part)]).astype(np.int32)
         cv2.polylines(mask, [line], False, 1, max(1, int(_BROW_WIDTH * size)))
-    enclosed = np.any([inside_polygon(_finite(points[list(part)]), shape) for part in _FEATURES], axis=0)
+    enclosed = np.any([inside_polygon(points[list(part)], shape) for part in _FEATURES], axis=0)
     mask = (mask > 0) | enclosed
     return exact_distance_to(mask) < settings.features * size if mask.any() else mask
-
-
-def _finite(points: np.ndarray) -> np.ndarray:
-    return points[np.isfinite(points).all(1)]
 
 
 def _falling(values: np.ndarray, middle: float, width: float) -> np.ndarray:
