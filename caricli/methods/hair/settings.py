@@ -21,7 +21,8 @@ class MaskSettings:
     strange: log-likelihood that any colour has for hair before hair is known, and floor: for the background, whose
     colour drifts where it is shaded. lowest: for skin and for known hair, so that no single pixel decides.
     apart: the most that edges on the way from a class to a pixel count against it.
-    least: share of the face's area that hair fills at least. speckle: of it, smaller parts of the mask are dropped.
+    least: share of the face's area that hair fills at least. speckle: of the squared size, smaller parts of the
+    mask are dropped.
     bridge: parts that nothing wider than this joins do not hang together.
     doubt: from 0 to 1; with more the mask is not trusted. unsure: the same of what a network takes for hair; with more
     colours alone decide.

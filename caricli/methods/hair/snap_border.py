@@ -19,9 +19,11 @@ from caricli.render.pixels.sample_texture import sample_pixels
 from caricli.structures import Camera, Hair, Mesh
 from caricli.template.template import Template
 
+# Of the head's height, over which a border's movements are spread, round after round.
 _WIDTHS = (0.015, 0.01, 0.006, 0.004, 0.003, 0.003, 0.003)
-_MET = 0.98  # the same from which on a border is met, once what stands before bare skin has gone under it
-_RAISE = 0.02  # of the head's height, by which it is at most
+# Intersection over union with the mask, from which on its border is met, once what is before bare skin is under it.
+_MET = 0.98
+_RAISE = 0.02  # of the head's height, by which the skull is raised at most
 _TRIM = 3  # round in which what stands before bare skin goes under it, and from the second after it on where it is far
 _BEFORE = 0.004  # of the head's height: so far from the mask hair is not before bare skin
 _BESIDE = 0.01  # the same of the background, where borders move

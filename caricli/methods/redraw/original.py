@@ -339,7 +339,9 @@ class Original:
 
     @cached_property
     def light(self) -> Light | None:
-        """The light in the picture, or None where the skin tells none."""
+        """The light in the picture, or None: of a head without UVs, which has no texture, and where skin that is seen
+        is too little, or tells too little of light (see ``estimate_light``).
+        """
         head = self.template.with_vertices(self.skin)
         if head.uvs is None:
             return None
