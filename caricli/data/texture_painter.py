@@ -1,13 +1,13 @@
 """Random albedos as pictures in the UVs of a template."""
 
 import numpy as np
-import scipy.sparse as sp
 
 from caricli.data.albedo import AlbedoPainter
 from caricli.data.appearance import Appearance
 from caricli.errors import InputError
 from caricli.geometry.triangle_normals import triangle_normals
 from caricli.render.pixels.levels import to_bytes
+from caricli.render.visibility.corner_mix import corner_mix
 from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.template.template import Template
 
@@ -21,13 +21,9 @@ class TexturePainter:
             raise InputError("an albedo needs a template with UVs, found one without")
         face, weights = uv_map(template, size)
         self.covered = face >= 0
-        corners = template.faces[face[self.covered]]
-        values = weights[self.covered]
-        count = len(corners)
-        shape = (count, len(template.vertices))
-        matrix = sp.csr_matrix((values.ravel(), corners.ravel(), np.arange(0, 3 * count + 1, 3)), shape)
+        matrix = corner_mix(template.faces[face[self.covered]], weights[self.covered], len(template.vertices))
         area = np.linalg.norm(triangle_normals(template.vertices, template.faces), axis=1).sum() / 2
-        self.painter = AlbedoPainter(template, matrix, float(np.sqrt(area / count)))
+        self.painter = AlbedoPainter(template, matrix, float(np.sqrt(area / matrix.shape[0])))
 
     def draw(self, appearance: Appearance) -> np.ndarray:
         """Paint an Appearance. Returns (S, S, 3) uint8 sRGB, the top row first."""

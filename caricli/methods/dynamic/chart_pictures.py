@@ -7,6 +7,7 @@ import scipy.sparse as sp
 
 from caricli.errors import InputError
 from caricli.render.pixels.sample_texture import sample_pixels, uv_pixels
+from caricli.render.visibility.corner_mix import corner_mix
 from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Face, Mesh
 from caricli.structures.chart import FaceChart
@@ -30,12 +31,11 @@ class ChartGrid:
 
     @cached_property
     def mix(self) -> sp.csr_matrix:
-        """(S², N) float32, sparse: how the chart's vertices mix at the texels; nothing where not covered."""
-        rows = np.flatnonzero(self.covered)
+        """(T, N) float32, sparse: how the chart's vertices mix at the texels that are covered, row by row."""
         corners = self.chart.faces[self.face[self.covered]]
-        entries = (np.repeat(rows, 3), corners.ravel())
-        shape = (self.size**2, len(self.chart.vertices))
-        return sp.csr_matrix((self.weights[self.covered].ravel(), entries), shape)
+        mix = corner_mix(corners, self.weights[self.covered], len(self.chart.vertices))
+        mix.sort_indices()  # then no sum hangs on which corner of a triangle is its first
+        return mix
 
     def bake(self, values: np.ndarray) -> np.ndarray:
         """Values (V, C) of the mesh's vertices at the texels: (S, S, C) float32, zero where not covered."""
@@ -43,7 +43,10 @@ class ChartGrid:
 
     def bake_own(self, values: np.ndarray) -> np.ndarray:
         """Values (N, C) of the chart's vertices at the texels: (S, S, C) float32, zero where not covered."""
-        return (self.mix @ np.asarray(values, np.float32)).reshape(self.size, self.size, -1)
+        values = np.asarray(values, np.float32)
+        baked = np.zeros((*self.covered.shape, *values.shape[1:]), np.float32)
+        baked[self.covered] = self.mix @ values
+        return baked.reshape(self.size, self.size, -1)
 
 
 def texture_to_chart(picture: np.ndarray, template: Mesh, grid: ChartGrid) -> np.ndarray:

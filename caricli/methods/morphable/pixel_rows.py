@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 import torch
 
 from caricli.methods.morphable.renderer import Patch, Sight, barycentric
+from caricli.render.visibility.corner_mix import corner_mix
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +50,10 @@ def pixel_rows(patch: Patch, vertices: VertexRows, sight: Sight) -> tuple[np.nda
     pixels = torch.stack([sight.column, sight.row], -1).cpu().numpy()
     places = vertices.placed[corners]
     weights = barycentric(torch.as_tensor(places), torch.as_tensor(pixels)).numpy()
-    count = len(corners)
-    shape = (count, len(vertices.placed))
-    mean = sp.csr_matrix((weights.ravel(), corners.ravel(), np.arange(0, 3 * count + 1, 3)), shape)
+    mean = corner_mix(corners, weights, len(vertices.placed))
     tints = vertices.colours[corners]
     edges = (places[:, 1:] - places[:, :1]).transpose(0, 2, 1)
     slopes = np.matmul((tints[:, 1:] - tints[:, :1]).transpose(0, 2, 1), np.linalg.inv(edges))
     flat = vertices.jacobian.reshape(len(vertices.placed), -1)
-    glided = (mean @ flat).reshape(count, 5, -1)
+    glided = (mean @ flat).reshape(len(corners), 5, -1)
     return (weights[:, :, None] * tints).sum(1), glided[:, :3] - np.matmul(slopes, glided[:, 3:])

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import scipy.sparse as sp
 
+from caricli.render.visibility.corner_mix import corner_mix
 from caricli.render.visibility.nearest_pixel import nearest_pixel
 from caricli.render.visibility.rasterise import rasterise
 
@@ -91,11 +92,7 @@ class View:
     @cached_property
     def _mix(self) -> sp.csr_matrix:
         """(N, V) float32, sparse: how vertices mix at the samples that show the head."""
-        corners = self.faces[self.face[self.covered]].astype(np.int32)
-        ends = np.arange(len(corners) + 1, dtype=np.int32) * 3
-        return sp.csr_matrix(
-            (self.weights[self.covered].ravel(), corners.ravel(), ends), (len(corners), len(self.placed))
-        )
+        return corner_mix(self.faces[self.face[self.covered]], self.weights[self.covered], len(self.placed))
 
     @cached_property
     def inwards(self) -> np.ndarray:

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from caricli.errors import InputError
 from caricli.methods.texture.fill_unseen import FEATURES
 from caricli.methods.texture.picture_view import SurfacePoints
+from caricli.render.visibility.corner_mix import corner_mix
 from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Mesh
 from caricli.template.template import Template
@@ -38,9 +39,7 @@ class Texels:
     @property
     def mix(self) -> sp.csr_matrix:
         """(N, V)."""
-        ends = np.arange(0, self.corners.size + 1, 3, dtype=np.int32)
-        shape = (len(self.corners), self.count)
-        return sp.csr_matrix((self.weights.ravel(), self.corners.ravel(), ends), shape)
+        return corner_mix(self.corners, self.weights, self.count)
 
     def part(self, rows: np.ndarray) -> "Texels":
         """Of the texels those of rows (N,) bool."""
