@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening, gaussian_filter, gaussian_filter1d, label
 
+from caricli.geometry.polar_quads import polar_quads
 from caricli.methods.hair.far_side import as_other_side, facing_of, inside_softly
 from caricli.methods.hair.find_edge import find_edge
 from caricli.methods.hair.fit_outline import Outline, fit_outline, meet_outline
@@ -284,7 +285,7 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     points = np.concatenate([whorl, sphere.points(around, angles, radii).reshape(-1, 3)])
     turn = np.append(0, around.ravel())
     roots, weights = sphere.roots(turn, np.append(0, angles.ravel()))
-    quads = _quads(settings.rows, columns)
+    quads = polar_quads(settings.rows, columns)
     uvs = unrolled_to_uv(turn, np.append(0, np.repeat(down, columns)))
     return Hair(Mesh(points, quads, uvs, quads), roots, weights)
 
@@ -315,12 +316,3 @@ def unrolled_to_uv(longitudes: np.ndarray, shares: np.ndarray) -> np.ndarray:
     Returns (..., 2), the face at the bottom, the subject's left on the right.
     """
     return 0.5 + DISC * shares[..., None] * np.stack([np.sin(longitudes), -np.cos(longitudes)], -1)
-
-
-def _quads(rows: int, columns: int) -> np.ndarray:
-    """A fan of triangles around the first vertex, and rings of quads after it."""
-    rings = 1 + np.arange(rows * columns).reshape(rows, columns)
-    after = np.roll(rings, -1, axis=1)
-    fan = np.column_stack([np.zeros(columns, int), rings[0], after[0], np.full(columns, -1)])
-    between = [np.column_stack([rings[k], rings[k + 1], after[k + 1], after[k]]) for k in range(rows - 1)]
-    return np.concatenate([fan, *between]).astype(np.int32)

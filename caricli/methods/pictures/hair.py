@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from caricli.geometry.polar_quads import polar_quads
 from caricli.geometry.smooth_step import smooth_step
 from caricli.methods.hair.head_sphere import HeadSphere
 from caricli.methods.pictures.background import random_colour
@@ -194,7 +195,7 @@ def _shell(
     points = np.concatenate([top, sphere.points(around, angles, radii).reshape(-1, 3)])
     across = np.append(0, np.broadcast_to(_STRANDS * np.arange(COLUMNS) / COLUMNS, angles.shape).ravel())
     strands = np.stack([across, np.append(0, np.repeat(share, COLUMNS))], 1)
-    return make_piece(points, _net(ROWS, COLUMNS), region, colour, gloss, strands)
+    return make_piece(points, _net(), region, colour, gloss, strands)
 
 
 def _brim(sphere: HeadSphere, total: np.ndarray, edge: np.ndarray, reach: np.ndarray, colour: np.ndarray) -> Piece:
@@ -212,11 +213,7 @@ def _brim(sphere: HeadSphere, total: np.ndarray, edge: np.ndarray, reach: np.nda
     return seen_from_both_sides(make_piece(np.concatenate([inside, outside]), faces, Region.HAT, colour))
 
 
-def _net(rows: int, columns: int) -> np.ndarray:
-    """Triangles of a fan around the first vertex and rings after it."""
-    rings = 1 + np.arange(rows * columns).reshape(rows, columns)
-    after = np.roll(rings, -1, axis=1)
-    fan = np.stack([np.zeros(columns, int), rings[0], after[0]], 1)
-    first = np.stack([rings[:-1], rings[1:], after[1:]], -1).reshape(-1, 3)
-    second = np.stack([rings[:-1], after[1:], after[:-1]], -1).reshape(-1, 3)
-    return np.concatenate([fan, first, second])
+def _net() -> np.ndarray:
+    """Triangles of a shell: the fan at its whorl and the first half of every quad, then the second halves."""
+    quads = polar_quads(ROWS, COLUMNS)
+    return np.concatenate([quads[:, :3], quads[COLUMNS:, [0, 2, 3]]])

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from caricli.geometry.alignment.rotation_vectors import rotation_matrices
+from caricli.geometry.polar_quads import polar_quads
 from caricli.methods.rig.add_parts import add_parts
 from caricli.render.eyes.paint_eye import paint_eye
 from caricli.render.eyes.place_eyeballs import place_eyeball
@@ -136,13 +137,9 @@ def _unit_ball() -> Mesh:
     angles = np.concatenate([np.tile(around, RINGS - 1), around + np.pi / SECTORS])
     reach = np.repeat(np.concatenate([polar, [np.pi]]) / (2 * np.pi), SECTORS)
     uvs = 0.5 + np.concatenate([[[0, 0]], np.stack([reach * np.cos(angles), reach * np.sin(angles)], -1)])
-    rings = 1 + np.arange((RINGS - 1) * SECTORS).reshape(RINGS - 1, SECTORS)
-    after = np.roll(rings, -1, axis=1)
-    none = np.full(SECTORS, -1)
-    front = np.column_stack([np.zeros(SECTORS, int), rings[0], after[0], none])
-    sides = [np.column_stack([rings[k], rings[k + 1], after[k + 1], after[k]]) for k in range(RINGS - 2)]
-    back = np.column_stack([rings[-1], np.full(SECTORS, len(points) - 1), after[-1], none])
-    quads = np.concatenate([front, *sides, back])
+    rim = len(points) - 1 - SECTORS + np.arange(SECTORS)
+    back = np.column_stack([rim, np.full(SECTORS, len(points) - 1), np.roll(rim, -1), np.full(SECTORS, -1)])
+    quads = np.concatenate([polar_quads(RINGS - 1, SECTORS), back])
     uv_quads = quads.copy()
     uv_quads[-SECTORS:, 1] += np.arange(SECTORS)
     return Mesh(points, quads, uvs, uv_quads)
