@@ -26,7 +26,7 @@ class NeutralFace:
     given: Mesh that it was found from.
     mesh: Mesh at rest; the given one where that shows no expression.
     shown: how much expression the given face shows: how far its farthest vertex is from rest, of how far one goes in
-    the middle one of the actions, at most a half for neutral faces; None where nobody looked.
+    the middle one of the actions, less than ``BlendshapeSettings.shown`` for neutral faces; None where nobody looked.
     """
 
     given: Mesh

@@ -29,8 +29,8 @@ class RetargetSettings:
     noise: share of the template's height; how far a vertex is expected from where its neighbours place it.
     sparse: price of a weight: few expressions at a time are likelier than many, where both explain.
     weak: price of half the square of a weight, which makes the weights unique.
-    caution: how much dearer identity is where there are landmarks alone: cheaper, because faces are more than the few
-    that the model was trained with, and landmarks tell little enough of them.
+    caution: factor of identity in its price, before it is squared, where there are landmarks alone: below one, as faces
+    are more than the few that the model was trained with, and landmarks tell little enough of them.
     rounds: exchanges between identity and weights at most.
     settled: largest step, in the units of motions and identity, that ends them.
     opposites: pairs of numbers of expressions, of which a face does one at most.
