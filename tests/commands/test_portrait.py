@@ -17,11 +17,11 @@ from caricli.io.landmarks import read_landmarks, write_landmarks
 from caricli.io.strict_json import read_json
 from caricli.methods.reconstruct.settings import COARSE
 from caricli.methods.texture.settings import PaintSettings
-from caricli.render.render_textured import render_textured
 from caricli.store.face_pictures import FaceReader
 from caricli.structures import Camera, Landmarks, Pictures, Rig
 from caricli.structures.detection import DetectedFace, Detection, FaceFrame
 from tests.drawn_albedo import soft_skin
+from tests.textured_pictures import render_textured
 
 CAMERA = Camera(1050.0, np.diag([1.0, -1, -1]), np.array([150.0, 290.0]))
 SIDE = 300

@@ -21,7 +21,6 @@ from caricli.methods.dynamic.chart_pictures import ChartGrid, texture_to_chart
 from caricli.methods.texture.settings import TextureSettings
 from caricli.models.checkpoint import model_to_checkpoint
 from caricli.models.pca.model import PcaModel
-from caricli.render.render_textured import render_textured
 from caricli.render.visibility.rasterise import rasterise
 from caricli.store.rig_sources import PictureSources, picture_sources
 from caricli.structures import Camera, Face, Material, Pictures, Rig
@@ -29,6 +28,7 @@ from caricli.template.annotation import parse_annotation
 from caricli.template.chart import face_chart
 from tests.drawn_albedo import soft_skin
 from tests.painted_moods import write_brightener
+from tests.textured_pictures import render_textured
 
 COMMAND = "texture"
 NAMES = [

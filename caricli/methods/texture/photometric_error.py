@@ -4,7 +4,7 @@ import numpy as np
 
 from caricli.errors import InputError
 from caricli.methods.texture.estimate_light import Light
-from caricli.render.render_textured import textured_colours
+from caricli.render.textured_colours import textured_colours
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Face, Rig
 

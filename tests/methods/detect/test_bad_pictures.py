@@ -13,10 +13,10 @@ from caricli.errors import InputError
 from caricli.io.image import read_image
 from caricli.io.landmarks import read_landmarks
 from caricli.methods.detect.see_face import see_face
-from caricli.render.render_textured import render_textured
 from caricli.store.detector import load_detector
 from caricli.structures import Camera, Pictures, Rig
 from tests.drawn_albedo import soft_skin
+from tests.textured_pictures import render_textured
 
 ROOT = Path(caricli.__file__).parents[1]
 FAR = 8.0  # percent of the diagonal, from which on landmarks are another face's

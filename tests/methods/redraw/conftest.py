@@ -8,13 +8,13 @@ import pytest
 
 from caricli.methods.redraw.original import Original
 from caricli.methods.rig.make_rig import make_rig
-from caricli.render.render_textured import render_textured
 from caricli.render.visibility.rasterise import rasterise
 from caricli.structures import Camera, Depiction, Material, Pictures, Rig
 from caricli.structures.materials import FINISHES
 from caricli.structures.parsing import Region
 from caricli.template.template import Template
 from tests.drawn_albedo import soft_skin
+from tests.textured_pictures import render_textured
 
 SIDE = 200
 WALL = np.array([90.0, 140, 200])

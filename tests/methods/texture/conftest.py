@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from caricli.render.render_textured import render_textured
 from caricli.structures import Camera, Face, Pictures, Rig
 from caricli.template.template import Template
 from tests.drawn_albedo import soft_skin
+from tests.textured_pictures import render_textured
 
 SIDE = 240
 MAGENTA = np.array([255.0, 0, 255])

@@ -6,7 +6,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.methods.texture.estimate_light import Light
 from caricli.methods.texture.photometric_error import photometric_error
-from caricli.render.render_textured import textured_colours
+from caricli.render.textured_colours import textured_colours
 from caricli.structures import Pictures
 
 

@@ -12,12 +12,12 @@ from caricli.methods.texture.settings import TextureSettings
 from caricli.methods.texture.texture_face import texture_face
 from caricli.render.pixels.diffuse_background import diffuse_background
 from caricli.render.pixels.sample_texture import sample_pixels, sample_texture
-from caricli.render.render_textured import render_textured
 from caricli.render.smooth_normals import smooth_normals
 from caricli.render.visibility.rasterise import rasterise
 from caricli.render.visibility.uv_map import pad_texture, uv_map
 from caricli.structures import Camera, Pictures, Rig
 from caricli.template.annotation import CAVITIES
+from tests.textured_pictures import render_textured
 
 SIZE, SIDE = 384, 400
 MAGENTA = np.array([255.0, 0, 255])

@@ -15,22 +15,6 @@ INSIDE = (46.0, 36.0, 34.0)
 """sRGB of what is seen from inside, through the open neck."""
 
 
-def render_textured(
-    rig: Rig,
-    placed: np.ndarray,
-    width: int,
-    height: int,
-    paper: float | np.ndarray | Sequence[float] = PAPER,
-) -> np.ndarray:
-    """Look up the textures of a rig at every pixel.
-
-    rig: Rig with UVs. placed: (V, 3) its vertices, in pixels and depth, as `rasterise` takes them. width, height:
-    pixels. paper: sRGB, 0 to 255, behind it and where there is no picture.
-    Returns (height, width, 3) uint8.
-    """
-    return np.clip(np.round(textured_colours(rig, placed, width, height, paper)), 0, 255).astype(np.uint8)
-
-
 def textured_colours(
     rig: Rig,
     placed: np.ndarray,
@@ -39,9 +23,12 @@ def textured_colours(
     paper: float | np.ndarray | Sequence[float] = PAPER,
     raster: Raster | None = None,
 ) -> np.ndarray:
-    """The same (height, width, 3) float64, not rounded; for the other arguments see `render_textured`.
+    """Look up the textures of a rig at every pixel.
 
-    raster: Raster of what is placed, or None to find it.
+    rig: Rig with UVs. placed: (V, 3) its vertices, in pixels and depth, as `rasterise` takes them. width, height:
+    pixels. paper: sRGB, 0 to 255, behind it and where there is no picture. raster: Raster of what is placed, or None to
+    find it.
+    Returns (height, width, 3) float64 sRGB, 0 to 255, not rounded.
     """
     faces = rig.faces
     raster = raster or rasterise(placed, faces, width, height)

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from caricli.render.render_textured import INSIDE, render_textured, textured_colours
+from caricli.render.textured_colours import INSIDE, textured_colours
 from caricli.structures import Material, Mesh, Pictures, Rig
+from tests.textured_pictures import render_textured
 
 # Of pictures that are one colour on every side.
 LEFT, RIGHT, BACK, WHITE = (200, 30, 40), (30, 180, 60), (60, 70, 220), 255
