@@ -89,6 +89,15 @@ class HeadSphere:
         upper = (1 - x) * values[top, left] + x * values[top, right]
         return (1 - y) * upper + y * ((1 - x) * values[top + 1, left] + x * values[top + 1, right])
 
+    def ground(self, longitudes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """(...) metres, how far out the skin is in directions (...), ears left out."""
+        return self.sample(self.radii, longitudes, angles)
+
+    def heights(self, points: np.ndarray) -> np.ndarray:
+        """(...) metres, how far above the skin points (..., 3) are, below zero under it."""
+        longitudes, angles, radii = self.seen_from(points)
+        return radii - self.ground(longitudes, angles)
+
     def nearest(self, values: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Values (N,) of a map (R, C) of any grid in the direction that is nearest to that of points (N, 3)."""
         return values[self._cells(values.shape, points)]

@@ -258,7 +258,7 @@ def _mesh(surface: _Surface, view: HairView, settings: ShellSettings) -> Hair:
     down = np.sin(np.pi / 2 * (np.arange(settings.rows) + 1) / settings.rows)
     angles = down[:, None] * ends
     around = np.broadcast_to(longitudes, angles.shape)
-    skin = sphere.sample(sphere.radii, around, angles)
+    skin = sphere.ground(around, angles)
     even = sphere.sample(_rounded(surface.left > 0, sphere.radii, settings), around, angles)
     total = sphere.sample(surface.total, around, angles)
     left, free = (sphere.sample(metres, around, angles) for metres in (surface.left, surface.free))

@@ -83,13 +83,13 @@ def _moved(shell: Mesh, sphere: HeadSphere, camera: Camera, field: np.ndarray) -
     cosine = facing(shell, camera)
     move *= np.interp(cosine, _BACK, (0, 1))[:, None]
     longitudes, angles, radii = sphere.seen_from(shell.vertices)
-    above = radii - sphere.sample(sphere.radii, longitudes, angles)
+    above = radii - sphere.ground(longitudes, angles)
     outwards = sphere.directions(longitudes, angles) @ camera.rotation[:2].T * camera.scale
     squares = np.maximum((outwards**2).sum(1), (_STEEPEST * camera.scale) ** 2)
     rise = np.interp(cosine, _SKIN, (1, 0)) * (move * outwards).sum(1) / squares
     move -= rise[:, None] * outwards
     longitudes, angles, _ = sphere.seen_from(shell.vertices + move / camera.scale @ camera.rotation[:2])
-    return sphere.points(longitudes, angles, sphere.sample(sphere.radii, longitudes, angles) + above + rise)
+    return sphere.points(longitudes, angles, sphere.ground(longitudes, angles) + above + rise)
 
 
 def _spread(mean: sp.csr_matrix, wanted: np.ndarray, cosines: np.ndarray) -> np.ndarray:

@@ -38,7 +38,7 @@ class ShellNet:
         those of what is around them, as a membrane; farther around where this does not do.
         """
         longitudes, angles, radii = skin.seen_from(points)
-        above = radii - skin.sample(skin.radii, longitudes, angles)
+        above = radii - skin.ground(longitudes, angles)
         directions = skin.directions(longitudes, angles)
         shown = (above > 0)[self.faces].any(1)
         for rings in _RINGS:
@@ -47,7 +47,7 @@ class ShellNet:
                 break
             directions = self._laid_anew(directions, self._around(self.faces[folded], rings))
         longitudes, angles, _ = skin.seen_from(skin.middle + directions)
-        return skin.points(longitudes, angles, skin.sample(skin.radii, longitudes, angles) + above)
+        return skin.points(longitudes, angles, skin.ground(longitudes, angles) + above)
 
     def large_parts(self, chosen: np.ndarray, least: float = 1.0) -> np.ndarray:
         """(V,) bool: of vertices (V,) bool the most that hang together, and others that are so many times as many."""

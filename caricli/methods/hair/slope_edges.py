@@ -27,7 +27,7 @@ def slope_edges(hair: Hair, skin: HeadSphere, camera: Camera, shown: np.ndarray,
     it is in front.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
-    ground = skin.sample(skin.radii, longitudes, angles)
+    ground = skin.ground(longitudes, angles)
     under = radii <= ground
     if not under.any():
         return hair

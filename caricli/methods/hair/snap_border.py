@@ -52,8 +52,7 @@ def snap_border(
     the hair and the mask.
     """
     sphere = HeadSphere(head, settings, fine=True)
-    longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
-    heights = radii - sphere.sample(sphere.radii, longitudes, angles)
+    heights = sphere.heights(hair.shell.vertices)
     above = heights > 0
     lowest = np.where(above, np.minimum(heights, settings.least * head.height), -np.inf)
     over = np.zeros(len(heights), bool)
@@ -108,7 +107,7 @@ def _ramp(shell: Mesh, over: np.ndarray, camera: Camera) -> np.ndarray:
 def _seated(points: np.ndarray, lowest: np.ndarray, highest: np.ndarray, skin: HeadSphere) -> np.ndarray:
     """Points (N, 3) moved until they are from lowest to highest (N,) metres above the skin."""
     longitudes, angles, radii = skin.seen_from(points)
-    ground = skin.sample(skin.radii, longitudes, angles)
+    ground = skin.ground(longitudes, angles)
     return skin.points(longitudes, angles, np.clip(radii, ground + lowest, ground + highest))
 
 

@@ -85,7 +85,7 @@ def _laid(hair: Hair, skin: HeadSphere, seen: HeadView, mask: HairMask, net: She
     skin: HeadSphere of the head. seen: HeadView of it. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
-    ground = skin.sample(skin.radii, longitudes, angles)
+    ground = skin.ground(longitudes, angles)
     feet = skin.points(longitudes, angles, ground)
     x, y = seen.camera.project(feet).T
     hairy = seen.shows(feet) & (sample_pixels(mask.pixels.astype(np.float32), x, y, border=0.0) > 0.5)
@@ -99,8 +99,7 @@ def _laid(hair: Hair, skin: HeadSphere, seen: HeadView, mask: HairMask, net: She
 def _clear_of(hair: Hair, sphere: HeadSphere, settings: ShellSettings) -> Template:
     """The head of a sphere whose skull is under hair between its vertices, too, and where it is drawn rounder than it
     is; not near the hair's ends, which it would uncover."""
-    longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
-    above = radii > sphere.sample(sphere.radii, longitudes, angles)
+    above = sphere.heights(hair.shell.vertices) > 0
     outer = hair.shell.faces[above[hair.shell.faces].all(1)]
     most = sphere.cover(hair.shell.vertices, outer, *np.meshgrid(sphere.longitudes, sphere.angles))
     mode = ("nearest", "wrap")
@@ -116,7 +115,7 @@ def _hanging_together(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNe
     skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
-    ground = skin.sample(skin.radii, longitudes, angles)
+    ground = skin.ground(longitudes, angles)
     above = net.without_strips(radii > ground + _JOINED * settings.least * skin.head.height)
     # What comes out in the hollow of an ear hangs on nothing but what is in its flesh.
     near_ears = skin.near_ears(hair.shell.vertices)
@@ -144,7 +143,7 @@ def _evened(hair: Hair, skin: HeadSphere, camera: Camera, net: ShellNet) -> Hair
     skin: HeadSphere of the head. net: ShellNet of the hair.
     """
     longitudes, angles, radii = skin.seen_from(hair.shell.vertices)
-    ground = skin.sample(skin.radii, longitudes, angles)
+    ground = skin.ground(longitudes, angles)
     share = np.interp(facing(hair.shell, camera), *_EVEN)
     heights = np.maximum(radii - ground, 0)
     for _ in range(_EVEN_ROUNDS):

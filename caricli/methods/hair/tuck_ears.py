@@ -39,7 +39,7 @@ def tuck_ears(sphere: HeadSphere, view: HairView, settings: ShellSettings) -> Te
     for _ in range(_ROUNDS):
         hidden = np.where(ears, mean @ hidden, 0)
     longitudes, angles, radii = sphere.seen_from(head.vertices)
-    above = np.maximum(radii - sphere.sample(sphere.radii, longitudes, angles) - settings.least * head.height, 0)
+    above = np.maximum(radii - sphere.ground(longitudes, angles) - settings.least * head.height, 0)
     share = 1 - hidden * above / np.maximum(radii, np.finfo(float).tiny)
     tucked = sphere.middle + share[:, None] * (head.vertices - sphere.middle)
     smooth = untangle(tucked, head.gradients, before=head.vertices)

@@ -43,7 +43,7 @@ def test_the_far_side_has_hair_as_long_as_the_near_one(sitter, turned):
     assert union_share(visible_hair(head, hair, camera, mask.pixels.shape), mask.pixels) > 0.8
     sphere = HeadSphere(head, ShellSettings(), fine=True)
     longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
-    above = radii > sphere.sample(sphere.radii, longitudes, angles)
+    above = radii > sphere.ground(longitudes, angles)
     # Where ears are, and behind them.
     sides = above & (np.abs(np.degrees(longitudes)) > 80) & (np.abs(np.degrees(longitudes)) < 150)
     lowest = [angles[sides & (side * longitudes > 0)].max() for side in (-1, 1)]

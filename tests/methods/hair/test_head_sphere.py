@@ -37,6 +37,19 @@ def test_bending_is_that_of_a_slow_computation(sitter, coarse):
     assert areas.sum() == pytest.approx(4 * np.pi, rel=0.05)
 
 
+def test_points_are_so_far_above_the_skin_in_their_direction(sitter):
+    sphere = HeadSphere(sitter.head, ShellSettings(), fine=True)
+    generator = np.random.default_rng(1)
+    longitudes = generator.uniform(-np.pi, np.pi, 200)
+    angles = generator.uniform(0.1, 2, 200)
+    heights = generator.uniform(-0.02, 0.05, 200)
+    points = sphere.points(longitudes, angles, sphere.ground(longitudes, angles) + heights)
+    np.testing.assert_allclose(sphere.heights(points), heights, atol=1e-9)
+    # On the grid it is the map itself.
+    grid = np.meshgrid(sphere.longitudes, sphere.angles)
+    np.testing.assert_allclose(sphere.ground(*grid), sphere.radii)
+
+
 def test_a_head_whose_skull_has_moved_is_seen_as_if_anew(sitter):
     sphere = HeadSphere(sitter.head, ShellSettings())
     assert sphere.radii.any()

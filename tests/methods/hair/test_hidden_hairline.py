@@ -22,7 +22,7 @@ def above_skin(shell, head):
     """Metres that the vertices of a shell are above the skin, by directions from the middle of a head."""
     fine = HeadSphere(head, SETTINGS, fine=True)
     longitudes, angles, radii = fine.seen_from(shell.shell.vertices)
-    return radii - fine.sample(fine.radii, longitudes, angles), fine.directions(longitudes, angles)
+    return radii - fine.ground(longitudes, angles), fine.directions(longitudes, angles)
 
 
 def test_bare_ears_stay_free(sitter):

@@ -23,8 +23,7 @@ def sphere(sitter):
 
 def _folds(points, shell, sphere):
     """(F,) bool: triangles of a shell, above the skin, that have turned over as seen from the middle of the head."""
-    longitudes, angles, radii = sphere.seen_from(points)
-    shown = (radii > sphere.sample(sphere.radii, longitudes, angles))[shell.shell.faces].any(1)
+    shown = (sphere.heights(points) > 0)[shell.shell.faces].any(1)
     volumes = [np.linalg.det((each - sphere.middle)[shell.shell.faces]) for each in (points, shell.shell.vertices)]
     return shown & (volumes[0] * volumes[1] < 0)
 
@@ -32,11 +31,11 @@ def _folds(points, shell, sphere):
 def _shaken(shell, sphere, part):
     """A shell whose vertices (V,) bool are somewhere around where they belong, as high above the skin."""
     longitudes, angles, radii = sphere.seen_from(shell.shell.vertices)
-    above = radii - sphere.sample(sphere.radii, longitudes, angles)
+    above = radii - sphere.ground(longitudes, angles)
     longitudes, angles = (
         turn + part * np.random.default_rng(0).normal(0, 0.1, len(turn)) for turn in (longitudes, angles)
     )
-    return sphere.points(longitudes, angles, sphere.sample(sphere.radii, longitudes, angles) + above), above
+    return sphere.points(longitudes, angles, sphere.ground(longitudes, angles) + above), above
 
 
 def test_what_has_turned_over_is_laid_anew(shell, sphere):
@@ -46,8 +45,7 @@ def test_what_has_turned_over_is_laid_anew(shell, sphere):
     laid = ShellNet(shell.shell, sphere).unfolded(points, sphere)
     assert not _folds(laid, shell, sphere).any()
     np.testing.assert_allclose(laid[away > 0.25], shell.shell.vertices[away > 0.25], atol=1e-5)
-    longitudes, angles, radii = sphere.seen_from(laid)
-    np.testing.assert_allclose(radii - sphere.sample(sphere.radii, longitudes, angles), above, atol=2e-5)
+    np.testing.assert_allclose(sphere.heights(laid), above, atol=2e-5)
 
 
 def test_what_has_no_folds_stays_as_it_is(shell, sphere):

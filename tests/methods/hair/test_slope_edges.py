@@ -20,7 +20,7 @@ def stepped(sitter, sphere, thick, steep=True):
     """Hair so thick, shares of the head's height, that goes under the skin from one row to the next."""
     hair, _ = make_shell(sitter.head, CAMERA, sitter.hair)
     longitudes, angles, _ = sphere.seen_from(hair.shell.vertices)
-    ground = sphere.sample(sphere.radii, longitudes, angles)
+    ground = sphere.ground(longitudes, angles)
     above = np.where(angles < np.radians(70), thick, -0.02 if steep else thick) * sphere.head.height
     points = sphere.points(longitudes, angles, ground + above)
     return type(hair)(hair.shell.with_vertices(points), hair.roots, hair.weights)
@@ -28,7 +28,7 @@ def stepped(sitter, sphere, thick, steep=True):
 
 def heights(hair, sphere):
     longitudes, angles, radii = sphere.seen_from(hair.shell.vertices)
-    return (radii - sphere.sample(sphere.radii, longitudes, angles)) / sphere.head.height, angles
+    return (radii - sphere.ground(longitudes, angles)) / sphere.head.height, angles
 
 
 def sloped(hair, sitter, sphere):

@@ -105,8 +105,7 @@ def test_hair_that_is_seen_from_aside_hangs_together(shell, sitter):
     hair, head, _ = snap_border(shell, sitter.head, CAMERA, replace(sitter.hair, pixels=cut))
     points, faces = hair.shell.vertices, hair.shell.faces
     sphere = HeadSphere(head, ShellSettings(), fine=True)
-    longitudes, angles, radii = sphere.seen_from(points)
-    above = np.flatnonzero(radii > sphere.sample(sphere.radii, longitudes, angles) + 0.002 * head.height)
+    above = np.flatnonzero(sphere.heights(points) > 0.002 * head.height)
     adjacency, _ = vertex_neighbours(faces, len(points))
     _, parts = connected_components(adjacency[above][:, above])
     loose = above[parts != np.bincount(parts).argmax()]

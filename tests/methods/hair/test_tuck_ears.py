@@ -32,8 +32,7 @@ def covered(sitter, share):
 def standing_out(head):
     """Metres, how far vertices are out of the skin without ears."""
     sphere = HeadSphere(head, SETTINGS, fine=True)
-    longitudes, angles, radii = sphere.seen_from(head.vertices)
-    return radii - sphere.sample(sphere.radii, longitudes, angles)
+    return sphere.heights(head.vertices)
 
 
 def test_what_is_under_hair_lies_against_the_head_and_the_lobe_stays(sitter):
