@@ -27,5 +27,5 @@ def test_no_cut_leaves_the_line():
 def test_what_is_carried_is_cut_along():
     line = np.array([[0.0, 0], [4, 0], [4, 4]])
     first, second = cut_line(line, [0.25], np.array([0.0, 1.0, 0.5]))
-    np.testing.assert_allclose(first, [[0, 0, 0], [2, 0, 0.5]])
-    np.testing.assert_allclose(second, [[2, 0, 0.5], [4, 0, 1], [4, 4, 0.5]])
+    np.testing.assert_allclose(first, [[0.0, 0, 0], [2.0, 0, 0.5]])
+    np.testing.assert_allclose(second, [[2.0, 0, 0.5], [4.0, 0, 1], [4.0, 4, 0.5]])

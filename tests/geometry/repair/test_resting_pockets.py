@@ -38,7 +38,12 @@ def test_most_of_what_keeps_still_is_not_looked_at(templates, monkeypatch):
     cavities = templates.mesh.cavities
     pockets = RestingPockets(cavities, templates.neutral)
     asked = []
-    monkeypatch.setattr(cavities, "withdraw", lambda vertices, spots: asked.append(spots.mean()) or vertices)
+
+    def withdraw(vertices, spots):
+        asked.append(spots.mean())
+        return vertices
+
+    monkeypatch.setattr(cavities, "withdraw", withdraw)
     for delta in templates.deltas:
         pockets.withdraw(templates.neutral + delta)
     assert np.mean(asked) < 0.25
