@@ -93,7 +93,7 @@ edit-handle sampled/face-000.npz --handle nose_tip=0,0,0.01 --pin chin --symmetr
 edit-handle sampled/face-001.npz --handle l30=0,0,0.008 --norm l1 --no-intersections --steps 2 --out strip.obj
 refine-gesture sampled/face-000.npz --script strokes.json --out refined-nose.obj
 edit-semantic sampled/face-000.npz --label BigNose=2 --keep BigEar --steps 3 --out nose.obj
-caricaturize sampled/face-000.npz --strength 1.5 --out caricature.obj
+caricaturize sampled/face-000.npz --strength 1.5 --out caricaturized.obj
 caricaturize landmarks.json --from-landmarks --image astronaut.png --mode own --out own.obj
 studio --replay session.json --out replayed.obj
 rig textured/face.npz --out rig.glb --usd
