@@ -25,7 +25,8 @@ def told_reports():
     untold = {}
 
     def told(value, *arguments, **options):
-        if isinstance(value, dict) and value.get("command") in COMMANDS:
+        # What `inspect` says of a report names its command, too.
+        if isinstance(value, dict) and value.get("command") in COMMANDS and "whole" not in value:
             untold.setdefault(value["command"], set()).update(untold_keys(value))
         return format_json(value, *arguments, **options)
 

@@ -17,6 +17,7 @@ from caricli.methods.marks.lay_mean_shape import lay_mean_shape
 from caricli.methods.session.history import History
 from caricli.methods.session.work import Work
 from caricli.store.marked_folder import MarkedFolder, seen_marks
+from caricli.structures import Landmarks
 from caricli.structures.detection import FaceFrame
 from caricli.studio.desk import Desk
 from caricli.studio.modes.landmarks_mode import LandmarksMode
@@ -285,6 +286,6 @@ def test_a_picture_that_cannot_be_read_is_passed_over_and_said(folder, laid):
         run_apart(mode._put(None, laid, "As found."))
     assert said == ["Passed over c.png: expected an image. As found.", "As found."]
     for name in ("b", "e"):
-        folder.joinpath(f"{name}.json").touch()
+        write_landmarks(folder / f"{name}.json", Landmarks(np.random.default_rng(0).uniform(0, 40, (68, 2))))
     run_apart(mode._next())
     assert said[2:] == ["Passed over c.png: expected an image. "] and mode.picture == folder / "e.png"

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from caricli.cli import cli
-from caricli.errors import InputError, UsageError
+from caricli.errors import InputError
 from caricli.io.gltf.read_gltf import read_gltf
 from caricli.io.meshes.mesh import write_mesh
 from caricli.io.session import read_session
@@ -345,7 +345,7 @@ def test_a_port_that_another_studio_is_about_to_serve_is_taken(tmp_path):
     server = Server(tmp_path)
     try:
         result = CliRunner().invoke(cli, ["studio", "--no-browser", "--port", str(server.port)])
-        assert isinstance(result.exception, UsageError) and "Address already in use" in str(result.exception)
+        assert result.exit_code == 2 and "Address already in use" in result.stderr
     finally:
         server.kill()
 

@@ -1,9 +1,12 @@
 from typing import Any
 
+import numpy as np
 import pytest
 
 from caricli.errors import InputError
+from caricli.io.landmarks import write_landmarks
 from caricli.methods.session.work import Work
+from caricli.structures import Landmarks
 from caricli.studio.server import MOST_DESKS, Studio
 
 
@@ -19,7 +22,7 @@ def studio(monkeypatch):
 def test_a_folder_begins_with_the_first_picture_that_can_be_read(monkeypatch, tmp_path):
     for name in ("a.png", "b.png", "c.png"):
         (tmp_path / name).write_text("a picture")
-    (tmp_path / "b.json").touch()
+    write_landmarks(tmp_path / "b.json", Landmarks(np.random.default_rng(0).uniform(0, 40, (68, 2))))
     anything: Any = None
     damaged = {"a.png"}
 
