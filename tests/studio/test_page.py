@@ -345,7 +345,7 @@ def test_a_port_that_another_studio_is_about_to_serve_is_taken(tmp_path):
     server = Server(tmp_path)
     try:
         result = CliRunner().invoke(cli, ["studio", "--no-browser", "--port", str(server.port)])
-        assert result.exit_code == 2 and "Address already in use" in result.stderr
+        assert result.exit_code == 2 and result.stderr.endswith("cannot be served from: Address already in use\n")
     finally:
         server.kill()
 

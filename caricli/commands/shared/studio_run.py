@@ -80,5 +80,6 @@ def _listening(host: str, port: int) -> socket.socket:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         return socket.create_server((host, port), family=family)
     except OSError as error:
-        reason = error.strerror or "no such address"
+        # Where Python says the address again, the reason alone.
+        reason = (error.strerror or "no such address").partition(" (while")[0]
         raise UsageError(f"--host {host} --port {port}: cannot be served from: {reason}") from None
