@@ -40,8 +40,8 @@ dataset show dataset -o show.png --faces 4 --size 48
 dataset pictures drawn drawings --count 6 --size 96 --workers 2
 dataset sketches drawn sketches --count 6 --workers 2
 dataset textures drawn textures --count 5 --expressions 3 --size 48 --workers 2
-dataset build many --count 60 --identities 30 --workers 2
-dataset pictures many portraits --count 60 --size 96 --workers 2
+dataset build many --count 60 --identities 12 --workers 2
+dataset pictures many portraits --count 120 --size 96 --workers 2
 train detector --pictures portraits --out seer {SEER} --set epochs=1 --set validate_every=1
 detect astronaut.png --all --score 0 --detector seer/model.safetensors --out-dir seen
 evaluate detector --pictures portraits --real pictures --detector seer/model.safetensors --out judged
