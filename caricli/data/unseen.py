@@ -12,8 +12,8 @@ from caricli.data.dataset import SPLITS, Dataset
 from caricli.data.regular_face import has_partners
 from caricli.errors import InputError
 from caricli.structures import SeenPeople
+from caricli.structures.seen_people import BY, MAKING, MESHES
 from caricli.structures.seen_people import KEY as PEOPLE
-from caricli.structures.seen_people import MAKING, MESHES
 
 DIGITS = 12
 """Hexadecimal ones of a fingerprint: among a million people two have the same by a chance of one in five hundred."""
@@ -89,9 +89,11 @@ def different_people(marks: Sequence[Mapping[str, frozenset[str]]]) -> SeenPeopl
     return SeenPeople(train, validation)
 
 
-def people_entry(data: Dataset) -> dict[str, dict[str, str]]:
-    """What the manifest of a folder made of a dataset says of its people: fingerprints between blanks, by split."""
-    return {PEOPLE: {split: " ".join(sorted(marks)) for split, marks in _marks(data).items()}}
+def people_entry(data: Dataset) -> dict[str, Any]:
+    """What the manifest of a folder made of a dataset says of its people: fingerprints between blanks, by split, and
+    what these are of, as recipes say it."""
+    by = {} if _told_by(data) == MAKING else {BY: _told_by(data)}
+    return {PEOPLE: {split: " ".join(sorted(marks)) for split, marks in _marks(data).items()}} | by
 
 
 def told_people(manifest: Mapping[str, Any]) -> dict[str, frozenset[str]]:
@@ -100,6 +102,23 @@ def told_people(manifest: Mapping[str, Any]) -> dict[str, frozenset[str]]:
     if not isinstance(people, dict) or not all(isinstance(marks, str) for marks in people.values()):
         raise InputError(f"{PEOPLE}: expected fingerprints by split, found others")
     return {split: frozenset(marks.split()) for split, marks in people.items()}
+
+
+def training_entry(manifests: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What the recipe of a training on folders made of datasets says of its people: nothing where a folder does not.
+
+    Raises InputError where one trains with somebody whom another tries.
+    """
+    told = [told_people(manifest) for manifest in manifests]
+    people = different_people(told)
+    by = frozenset(manifest.get(BY, MAKING) for manifest in manifests)
+    return replace(people, by=by).as_recipe() if all(told) else {}
+
+
+def strange_splits(manifest: Mapping[str, Any], seen: SeenPeople) -> list[str]:
+    """The splits of a folder made of a dataset among whose people, as far as it says, a model has seen nobody."""
+    told = told_people(manifest)
+    return [split for split in SPLITS if seen.before("test").isdisjoint(told.get(split, ()))]
 
 
 def all_tested(data: Dataset) -> Dataset:

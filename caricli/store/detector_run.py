@@ -5,11 +5,12 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from caricli.cores import usable_cores
 from caricli.data.evenly import evenly
 from caricli.data.picture_set import read_picture_set
-from caricli.data.unseen import different_people, told_people
+from caricli.data.unseen import training_entry
 from caricli.data.worker_pool import worker_pool
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
@@ -28,6 +29,16 @@ from caricli.store.detector import load_detector
 from caricli.store.training_run import RunFolder
 
 
+def detector_people(folders: Sequence[Path]) -> dict[str, Any]:
+    """What the recipe of a training on folders of pictures says of its people.
+
+    Raises InputError when one is no such folder, or one trains with somebody whom another tries.
+    """
+    manifests = [read_picture_set(folder).manifest for folder in folders]
+    with naming(", ".join(map(str, folders))):
+        return training_entry(manifests)
+
+
 def load_training(
     folders: Sequence[Path], config: DetectorConfig, share: Share, device: str, start: Path | None
 ) -> DetectorTraining:
@@ -35,11 +46,10 @@ def load_training(
 
     share: of this process. device: "cpu" or "cuda". start: file of the detector with whose weights it begins, or None
     for random ones.
-    Raises InputError when it is no such folder or file, or one trains with somebody whom another tries.
+    Raises InputError when it is no such folder or file.
     """
     training, unseen = (_joined(folders, split) for split in ("train", "validation"))
     with naming(", ".join(map(str, folders))):
-        different_people([told_people(part.pictures.manifest) for part in training.parts])
         run = DetectorTraining(training, unseen, config, share, device)
     if start is not None:
         with naming(start):

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from caricli.data.dataset import SPLITS
 from caricli.data.picture_set import MANIFEST, PictureSet, read_picture_set
+from caricli.data.unseen import strange_splits
 from caricli.errors import InputError
 from caricli.io.provenance import made_of
 from caricli.methods.evaluate.evaluate_detector import UNKNOWN, JudgedPicture
@@ -14,6 +16,7 @@ from caricli.methods.train.detector.split_pictures import marked_by_people, mark
 from caricli.models.detector.model import Detector
 from caricli.store.pictures import load_marked_picture
 from caricli.store.portraits import portrait_files
+from caricli.structures import SeenPeople
 from caricli.structures.detection import MarkedPicture
 from caricli.structures.landmarks import COUNT
 
@@ -51,8 +54,9 @@ def load_judged_sets(
 ) -> tuple[dict[str, Sequence[JudgedPicture] | JudgedPictures], str | None]:
     """Generated pictures of a folder of ``caricli dataset pictures``, and real ones, at most so many, where given.
 
-    Where a detector was trained on the folder, only those of test people. Returns the sets by name, and one line about
-    them, or None where there is nothing to say. Raises InputError when something is missing or damaged.
+    Where a detector has seen some of the folder's people, only those of test people. Returns the sets by name, and one
+    line about them, or None where there is nothing to say. Raises InputError when something is missing or damaged, and
+    where it has seen some of these, too.
     """
     sets: dict[str, Sequence[JudgedPicture] | JudgedPictures] = {}
     note = None
@@ -65,10 +69,16 @@ def load_judged_sets(
 
 def _generated(folder: Path, detector: Detector, count: int) -> tuple[JudgedPictures, str | None]:
     pictures = read_picture_set(folder)
-    trained = made_of(detector.recipe, folder / MANIFEST)
-    numbers = pictures.pictures_of("test").tolist() if trained else list(range(pictures.count))
-    note = f"{folder}: the detector was trained on it; measured on its {len(numbers)} pictures of test people"
-    return JudgedPictures(pictures, numbers[:count]), note if trained else None
+    seen = SeenPeople.of_recipe(detector.recipe)
+    strange = list(SPLITS) if seen is None else strange_splits(pictures.manifest, seen)
+    if "test" not in strange:
+        raise InputError(f"{folder}: expected test people whom the detector was not trained with, found some of them")
+    if made_of(detector.recipe, folder / MANIFEST) or len(strange) < len(SPLITS):
+        numbers = pictures.pictures_of("test").tolist()
+        note = f"{folder}: the detector has seen some of its people; measured on {len(numbers)} pictures of others"
+        return JudgedPictures(pictures, numbers[:count]), note
+    note = None if seen is not None else f"{folder}: no word of whom the detector was trained with, who may be in it"
+    return JudgedPictures(pictures, [*range(pictures.count)][:count]), note
 
 
 def _real(path: Path, marks: Path, pts_origin: int) -> JudgedPicture:

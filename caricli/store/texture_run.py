@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from caricli.data.dataset import SPLITS
 from caricli.data.texture_set import MANIFEST, ActedTextures, TextureSet, read_texture_set
-from caricli.data.unseen import different_people, told_people
+from caricli.data.unseen import strange_splits, training_entry
 from caricli.errors import InputError, naming
 from caricli.io.provenance import made_of
 from caricli.methods.dynamic.chart_pictures import ChartGrid
@@ -28,6 +29,7 @@ from caricli.seeds import LookSeed
 from caricli.store.pictures import pictures_in
 from caricli.store.texture_networks import load_texture_network
 from caricli.store.training_run import RunFolder
+from caricli.structures import SeenPeople
 from caricli.template.chart import face_chart
 from caricli.template.head import load_head
 
@@ -58,6 +60,16 @@ def texture_sources(folders: Sequence[Path], drawings: Path | None, styles: Path
     return [*(folder / MANIFEST for folder in sets), *pictures]
 
 
+def texture_people(folders: Sequence[Path]) -> dict[str, Any]:
+    """What the recipe of a training on folders of textures says of its people.
+
+    Raises InputError when one is no such folder, or one trains with somebody whom another tries.
+    """
+    manifests = [read_texture_set(folder).manifest for folder in folders]
+    with naming(", ".join(map(str, folders))):
+        return training_entry(manifests)
+
+
 def load_texture_ingredients(
     folders: Sequence[Path],
     drawings: Path | None,
@@ -69,15 +81,13 @@ def load_texture_ingredients(
 
     drawings: folder of textures for the unpaired part, or None. styles: StyleBook. report: called with people done and
     all. Raises InputError when a folder is none, damaged, of another topology than the others, of other numbers of
-    expressions, or without people to train or to validate with, where one trains with somebody whom another tries, and
-    for drawings without an unpaired part.
+    expressions, or without people to train or to validate with, and for drawings without an unpaired part.
     """
     if drawings is not None and config.paired_epochs == config.epochs:
         settings = f"epochs={config.epochs} and unpaired={config.unpaired:g}"
         raise InputError(f"{drawings}: expected an unpaired part to train on it, found none with {settings}")
     sets = _joinable_sets(folders)
     others = [] if drawings is None else [read_texture_set(drawings)]
-    _require_different_people([*sets, *others])
     grid = ChartGrid(face_chart(load_head().template()), config.size)
     own, unseen = (
         [person for textures in sets for person in textures.people(split)] for split in ("train", "validation")
@@ -111,12 +121,6 @@ def _joinable_sets(folders: Sequence[Path]) -> list[TextureSet]:
             expected = f"{sets[0].shown} expressions of everybody, as in {folders[0]}"
             raise InputError(f"{textures.folder}: expected {expected}, found {textures.shown}")
     return sets
-
-
-def _require_different_people(sets: Sequence[TextureSet]) -> None:
-    """Refuse sets of which one trains with somebody whom another tries, as far as they tell."""
-    with naming(", ".join(str(textures.folder) for textures in sets)):
-        different_people([told_people(textures.manifest) for textures in sets])
 
 
 def _require_people(folders: str, people: dict[str, list[ActedTextures]]) -> None:
@@ -202,6 +206,22 @@ class TextureFolders:
             raise InputError(f"{self.others}: expected people whom nobody learnt with, found {both} of {self.folder}")
         return own, tested
 
+    @property
+    def tested(self) -> Path:
+        """The folder of those tested."""
+        return self.others or self.folder
+
+    def learnt_by(self, network: TextureModel) -> bool:
+        """Whether a network learnt from somebody who is tested, as far as it and the folder say."""
+        if self.others is not None and made_of(network.recipe, self.others / MANIFEST):
+            return True
+        seen = SeenPeople.of_recipe(network.recipe)
+        if seen is None:
+            return False
+        strange = strange_splits(read_texture_set(self.tested).manifest, seen)
+        looked_at = {"test"} if self.others is None else {*SPLITS}
+        return not looked_at <= {*strange}
+
 
 def _marks(person: ActedTextures, same: bool) -> set[Any]:
     """What tells somebody: the shape at rest, and among people of one dataset the number, for another level has another
@@ -229,8 +249,8 @@ def load_texture_test(
             raise InputError(f"{name}: expected a texture network of the head's mesh, found one of another")
     learnt, tested = textures.people()
     for name, model in models.items():
-        if textures.others is not None and made_of(model.recipe, textures.others / MANIFEST):
-            raise InputError(f"{textures.others}: expected people of no training, found what {name} learnt from")
+        if textures.learnt_by(model):
+            raise InputError(f"{textures.tested}: expected people of no training, found what {name} learnt from")
     grid = ChartGrid(face_chart(head), config.size)
     total = len(learnt) + len(tested)
 

@@ -13,7 +13,9 @@ MAKING = "making"
 MESHES = "meshes"
 """What fingerprints are of: what generated people are made of, or the meshes of imported ones."""
 
-_BY = "people_by"
+BY = "people_by"
+"""Of the same recipes, and of folders made of datasets: what the fingerprints are of."""
+
 _USES = ("train", "validation")
 
 
@@ -39,16 +41,16 @@ class SeenPeople:
             refuse(f"{KEY}: expected fingerprints for {' and '.join(_USES)}, found {shown(people, 60)}")
         if not all(isinstance(text, str) for text in people.values()):
             refuse(f"{KEY}: expected text, found {shown(people, 60)}")
-        by = recipe.get(_BY, MAKING)
+        by = recipe.get(BY, MAKING)
         if not isinstance(by, str) or not by.split() or not {*by.split()} <= {MAKING, MESHES}:
-            refuse(f"{_BY}: expected {MAKING} or {MESHES} or both, found {shown(by, 60)}")
+            refuse(f"{BY}: expected {MAKING} or {MESHES} or both, found {shown(by, 60)}")
         train, validation = (frozenset(people[use].split()) for use in _USES)
         return cls(train, validation, frozenset(by.split()))
 
     def as_recipe(self) -> dict[str, Any]:
         """Entries for a recipe: fingerprints between blanks, in their order, and what these are of."""
         people = {KEY: {use: " ".join(sorted(getattr(self, use))) for use in _USES}}
-        return people if self.by == {MAKING} else people | {_BY: " ".join(sorted(self.by))}
+        return people if self.by == {MAKING} else people | {BY: " ".join(sorted(self.by))}
 
     def before(self, split: str) -> frozenset[str]:
         """Whom nobody of a split of a dataset may be: trained on; for a test, looked at in any way."""

@@ -13,7 +13,7 @@ from caricli.methods.train.processes import ALL
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.networks import network_of
 from caricli.store.detector import load_detector
-from caricli.store.detector_run import DetectorRun, drawing_ahead, load_training
+from caricli.store.detector_run import DetectorRun, detector_people, drawing_ahead, load_training
 from caricli.store.training_run import FILES, MODEL, Beginning
 from tests.drawn_pictures import mean_shape, write_drawn_set
 
@@ -60,11 +60,11 @@ def test_folders_that_share_people_between_splits_are_refused(head_template, pic
     folders = [
         write_drawn_set(tmp_path / split, shape, 8, 0, people={split: "0123456789ab"}) for split in ("train", "test")
     ]
-    config = read_config(config_path("detector/tiny.yaml"), DetectorConfig, SETTINGS)
     with pytest.raises(InputError, match="/test: expected datasets of different people, found 1 whom"):
-        load_training(folders, config, ALL, "cpu", None)
+        detector_people(folders)
     # Of people of an older folder nobody can tell.
-    assert load_training([pictures, folders[0]], config, ALL, "cpu", None).training.faces
+    assert detector_people([pictures, folders[0]]) == {}
+    assert detector_people(folders[:1]) == {"people": {"train": "0123456789ab", "validation": ""}}
 
 
 def test_what_a_gpu_learns_from_other_processes_draw_alike(pictures, tmp_path, monkeypatch):

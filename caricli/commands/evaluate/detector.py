@@ -43,8 +43,8 @@ def command(pictures, real, detector, count, out, pts_origin, overwrite):
     """Compare faces, landmarks and regions that a detector finds with the true ones.
 
     Landmark errors (NME) are mean distances in percent of the diagonal of a face's 68 landmarks, of the faces that are
-    found; a face fails where it is not found or its error is above 8 %. Of a folder that the detector was trained on,
-    only pictures of test people count. The mean shape is that of all true faces, laid into every true face's frame.
+    found; a face fails where it is not found or its error is above 8 %. Of a folder with people whom the detector has
+    seen, only pictures of test people count. The mean shape is that of all true faces, laid into every one's frame.
 
     \b
     Example:

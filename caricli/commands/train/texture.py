@@ -54,14 +54,15 @@ def command(folders, out, styles, drawings, config, overrides, resume, overwrite
     from caricli.methods.train.processes import training_processes
     from caricli.models.texture.config import TextureConfig
     from caricli.store.styles import load_style_book
-    from caricli.store.texture_run import TextureRun, load_texture_ingredients, texture_sources
+    from caricli.store.texture_run import TextureRun, load_texture_ingredients, texture_people, texture_sources
     from caricli.store.training_run import MODEL, Beginning
 
     settings = read_config(config, TextureConfig, overrides)
     with training_processes("cpu") as share:
         book, notes = load_style_book(styles, settings.seed)
         sources = texture_sources(folders, drawings, styles)
-        recipe = provenance("train texture", sources, config=asdict(settings))
+        told = [*folders, *([] if drawings is None else [drawings])]
+        recipe = provenance("train texture", sources, config=asdict(settings)) | texture_people(told)
         beginning = Beginning(resume, overwrite, share.process == 0, (*folders, drawings, styles, config))
         run = TextureRun(out, recipe, beginning)
         echo_notes(*(f"caricli: {note}" for note in notes if run.writes))

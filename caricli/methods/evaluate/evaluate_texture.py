@@ -73,8 +73,9 @@ class TextureTally:
 
     @property
     def people(self) -> int:
-        """How many people there are."""
-        return len(np.unique(self.who))
+        """How many people there are of whom something was painted."""
+        painted = sum(self.counts.values(), np.zeros(len(self.who)))
+        return len(np.unique(self.who[painted > 0]))
 
     @property
     def reading(self) -> dict[str, float]:
@@ -97,11 +98,13 @@ class TextureTally:
 
     def _figure(self, painter: str, region: str, seed: int) -> dict[str, float | None]:
         own = self.sums[painter][region]
-        texels = self.counts[region].sum()
-        if not texels:
+        texels = self.counts[region]
+        shows = texels > 0
+        if not shows.any():
             return dict.fromkeys(("error", "percent", "low", "high"))
-        percent, low, high = ratio_interval(100 * own, self.sums[KEPT][region], self.who, seed=seed)
-        return {"error": float(own.sum() / texels), "percent": percent, "low": low, "high": high}
+        kept = self.sums[KEPT][region]
+        percent, low, high = ratio_interval(100 * own[shows], kept[shows], self.who[shows], seed=seed)
+        return {"error": float(own.sum() / texels.sum()), "percent": percent, "low": low, "high": high}
 
 
 def regions(batch: TextureBatch, mouth: torch.Tensor) -> dict[str, torch.Tensor]:

@@ -112,3 +112,14 @@ def test_all_painters_paint_as_many_pairs_as_are_asked_for_of_a_seed(batch):
     assert [count for count, *_ in asked] == [16, 16, 5] and all(paired for _, paired, _ in asked)
     assert asked[0][2] == np.random.default_rng(5).random()
     assert len(tally.read["own"]) == 37 and tally.figures()["own"]["outside"]["percent"] == 0
+
+
+def test_whom_nothing_was_painted_of_counts_as_nobody(batch):
+    """Of four rows the last two, of the second person, are in no pair."""
+    tally = TextureTally(np.array([0, 1, 2, 2]))
+    first = replace(batch, people=torch.tensor([0, 0, 1, 1]))
+    tally.add(first, MOUTH, {KEPT: batch.source})
+    assert tally.people == 2
+    for region in ("attention", "outside"):
+        figure = tally.figures()[KEPT][region]
+        assert figure["percent"] == figure["low"] == figure["high"] == pytest.approx(100)
