@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from caricli.data.appearance import random_appearance
 from caricli.data.attributes import binary_labels
@@ -22,6 +21,7 @@ from caricli.data.texture_painter import TexturePainter
 from caricli.data.worker_pool import worker_pool
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError
+from caricli.io.kept import kept_arrays
 from caricli.io.npz import npz_holds, write_npz
 from caricli.io.provenance import sha256_file
 from caricli.models.intrinsic.config import IntrinsicConfig
@@ -104,12 +104,17 @@ def _measure_usual(settings: OwnSettings, workers: int | None) -> Usual:
 
 
 def _train_prior(settings: BuildSettings, template: Template, workers: int | None) -> Prior:
-    """The Prior of faces of people who are not in the dataset."""
-    with worker_pool(workers, partial(MeshSource, settings)) as run:
-        shapes = np.concatenate(list(run(MeshSource.prior_shape, range(PRIOR_SHAPES))))
-    with threadpool_limits(1):
+    """The Prior of faces of people who are not in the dataset: half a minute, and kept for the next one."""
+
+    def train() -> dict[str, np.ndarray]:
+        with worker_pool(workers, partial(MeshSource, settings)) as run:
+            shapes = np.concatenate(list(run(MeshSource.prior_shape, range(PRIOR_SHAPES))))
         model = IntrinsicModel.train(template, shapes, IntrinsicConfig(PRIOR_DIMENSION, settings.seed))
-    return model.mean, model.basis, model.offset
+        return {"mean": model.mean, "basis": model.basis, "offset": model.offset}
+
+    given = (template.vertices, template.faces, settings.seed, settings.expressions)
+    kept = kept_arrays("prior", given, train)
+    return kept["mean"], kept["basis"], kept["offset"]
 
 
 def _mesh_count(settings: BuildSettings) -> int:

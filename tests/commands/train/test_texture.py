@@ -1,6 +1,8 @@
 import json
 import shutil
 from functools import partial
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -223,3 +225,18 @@ def test_whom_the_network_learnt_from_is_not_tested(refused, trained, textures, 
     network = trained / "model.safetensors"
     line = ("evaluate", "texture", network, "--data", others, "--people", textures, "--out", tmp_path / "out")
     assert "expected people of no training, found what" in refused(*line)
+
+
+def test_whom_a_network_has_seen_in_another_folder_is_not_tested(head, tmp_path):
+    marks = {"train": "aaaaaaaaaaaa", "validation": "bbbbbbbbbbbb", "test": "cccccccccccc"}
+    folder = write_acted_set(tmp_path / "marked", head, people=marks)
+    strangers = write_acted_set(tmp_path / "strangers", head, people={"test": "dddddddddddd"})
+
+    def learnt(seen, folders):
+        network: Any = SimpleNamespace(recipe={"people": {"train": seen, "validation": ""}})
+        return folders.learnt_by(network)
+
+    assert not learnt("aaaaaaaaaaaa", TextureFolders(folder))
+    assert learnt("cccccccccccc", TextureFolders(folder))
+    assert learnt("aaaaaaaaaaaa", TextureFolders(strangers, folder))
+    assert not learnt("aaaaaaaaaaaa", TextureFolders(folder, strangers))

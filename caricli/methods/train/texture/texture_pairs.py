@@ -203,7 +203,7 @@ def _shapes(person: ActedTextures, grid: ChartGrid, head: Template) -> ShapeFiel
 def _fitted(picture: np.ndarray, size: int) -> np.ndarray:
     """A square picture at a smaller size."""
     if len(picture) < size:
-        raise InputError(f"expected textures of at least {size} texels, found {len(picture)}: a smaller size may help")
+        raise InputError(f"expected textures of at least {size} texels, found {len(picture)}")
     return cv2.resize(picture, (size, size), interpolation=cv2.INTER_AREA)
 
 
