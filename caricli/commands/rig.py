@@ -14,6 +14,7 @@ from caricli.commands.shared.options import (
     WholeRange,
     out_option,
     overwrite_option,
+    refuse_typed,
     seed_option,
 )
 from caricli.commands.shared.picture import picture_files, picture_option
@@ -52,6 +53,12 @@ def _moods(ctx, param, texts):
     help="Take the expressions from meshes in this folder: neutral.obj, and one for each.  [default: the head's]",
 )
 @click.option(
+    "--model",
+    type=PATH,
+    metavar="MODEL",
+    help="Put eyes, neck and parts into an own mesh as this model of it knows their places, with --templates.",
+)
+@click.option(
     "--neutral",
     type=click.Choice(["auto", "as-is"]),
     default="auto",
@@ -85,7 +92,7 @@ def _moods(ctx, param, texts):
 @seed_option
 @picture_option
 @overwrite_option
-def command(face, out, templates, neutral, head, texture, moods, sparse, usd, levels, seed, overwrite):
+def command(face, out, templates, model, neutral, head, texture, moods, sparse, usd, levels, seed, overwrite):
     """Give a face (NPZ, OBJ, PLY, GLB or glTF) the 52 expressions of ARKit by deformation transfer.
 
     Expressions start from the neutral face. Of one that laughs it is found first, as `blendshapes` finds it, with its
@@ -101,9 +108,11 @@ def command(face, out, templates, neutral, head, texture, moods, sparse, usd, le
       caricli rig face.obj --subdivide 1 --sparse --out fine.glb
       caricli rig textured/face.npz --bust --out bust.glb
       caricli rig textured/face.npz --mood sad=sad.png --mood angry=angry.png --out moods.glb
-      caricli rig scan.obj --templates expressions --out rig.glb
+      caricli rig scan.obj --templates expressions --model own.safetensors --out rig.glb
     """
-    task = RigTask(templates, neutral, head, texture, sparse, usd, levels, seed, overwrite, moods)
+    if templates is None:
+        refuse_typed("--model is for an own mesh, whose expressions --templates gives.", "model")
+    task = RigTask(templates, model, neutral, head, texture, sparse, usd, levels, seed, overwrite, moods)
     echo_result(task.run(face, out))
 
 
@@ -111,13 +120,14 @@ def command(face, out, templates, neutral, head, texture, moods, sparse, usd, le
 class RigTask:
     """What is done with a face.
 
-    templates: folder of expressions, or None for the head's. neutral: "auto" or "as-is". head: HeadChoice. texture:
-    path of the skin's picture, or None for the face's own. sparse, usd: what is written. levels: how often polygons are
-    split. seed: of the eyes' picture. overwrite: whether files that exist are replaced. moods: pictures of the skin
-    by name.
+    templates: folder of expressions, or None for the head's. model: path of one of their mesh, or None. neutral: "auto"
+    or "as-is". head: HeadChoice. texture: path of the skin's picture, or None for the face's own. sparse, usd: what is
+    written. levels: how often polygons are split. seed: of the eyes' picture. overwrite: whether files that exist are
+    replaced. moods: pictures of the skin by name.
     """
 
     templates: Path | None = None
+    model: Path | None = None
     neutral: str = "auto"
     head: HeadChoice = WHOLE
     texture: Path | None = None
@@ -139,7 +149,7 @@ class RigTask:
 
         if self.usd:
             require_usd(out.with_suffix(".usdz"))
-        expressions, template_files = load_templates(self.templates)
+        expressions, template_files = load_templates(self.templates, self.model)
         given = read_face(face)
         if given.mesh.uvs is None and (self.texture or self.moods):
             raise InputError(f"{shown(face)}: expected a face with UVs for its picture, found one without")
@@ -151,7 +161,7 @@ class RigTask:
             glb, npz, json, *others = files
             images = given.pictures if given.pictures and self.texture is None else load_pictures(face, self.texture)
             moods = [(path, Mood(name, read_image(path))) for name, path in self.moods.items()]
-            with naming(face), progress_bar("expressions"):
+            with naming(self._named(face)), progress_bar("expressions"):
                 rest = _rest(given, self.neutral)
                 result = make_rig(rest.mesh, expressions, settings, images, given=given)
             result = replace(result, rig=_changing(result.rig, moods))
@@ -163,9 +173,15 @@ class RigTask:
                 partial(write_rig, npz, result.rig),
             )
         _advise(face, result, rest, self.neutral)
+        if expressions.annotation is None and "eyes" in self.head.parts:
+            echo_notes(f"{final_name(face)}: no eyes and no neck are put in: --model, of its mesh, says where they are")
         if self.usd and moods:
             echo_notes(f"{final_name(out.with_suffix('.usdz'))}: has the usual picture alone; moods are in GLB and NPZ")
         return f"{out}: {describe_rig(result)}, {rest.describe()}"
+
+    def _named(self, face):
+        """Paths of what is at fault where a face and its expressions do not fit each other."""
+        return shown(face) if self.templates is None else f"{shown(face)}, {shown(self.templates)}"
 
 
 def _paths(out, usd):

@@ -1,6 +1,8 @@
 """Templates of expressions: the open head's, or a folder of meshes."""
 
+import math
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,17 +15,23 @@ from caricli.io.meshes.mesh import mesh_files, read_mesh
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.expression_templates import ExpressionTemplates, check_templates
 from caricli.methods.rig.head_expressions import open_head_expressions
+from caricli.store.models import load_model
 from caricli.structures import Mesh
 from caricli.structures.arkit import arkit_name, is_half, plain_name
+from caricli.template.template import Template
+
+_FARTHEST = 0.1
+"""Of the head's height: no expression moves half of a head so far."""
 
 
-def load_templates(folder: Path | None = None) -> tuple[ExpressionTemplates, list[Path]]:
+def load_templates(folder: Path | None = None, model: Path | None = None) -> tuple[ExpressionTemplates, list[Path]]:
     """ExpressionTemplates, and the files that they are read from.
 
     folder: path of one with meshes, or None for the open head's own. A file whose name means an action of ARKit's
     (``eyeBlink_L``) gets its name; halves of one (``browInnerUp_L``) keep theirs, and where both are there, their sum
-    is added as the whole.
-    Raises InputError where it holds no neutral face and expressions of one mesh that can be transferred from.
+    is added as the whole. model: path of a model of their mesh, which knows its vertices by name; or None.
+    Raises InputError where it holds no neutral face and expressions of one mesh that can be transferred from, and for a
+    model of another mesh.
     """
     if folder is None:
         return open_head_expressions(), []
@@ -34,7 +42,19 @@ def load_templates(folder: Path | None = None) -> tuple[ExpressionTemplates, lis
         names, shapes = _with_arkit_names([path.stem for path in others], neutral.vertices, shapes)
     with naming(neutral_path):
         templates = check_templates(names, neutral, shapes)
-    return templates, sorted([neutral_path, *others])
+    files = sorted([neutral_path, *others])
+    if model is None:
+        return templates, files
+    template = load_model(model).template
+    with naming(model):
+        templates.require_topology(template)
+    return on_template(templates, template), [*files, model]
+
+
+def on_template(actions: ExpressionTemplates, template: Template) -> ExpressionTemplates:
+    """The same templates in metres, with what is known by name on the mesh of a model."""
+    unit = 10.0 ** round(math.log10(template.height / actions.mesh.height))
+    return replace(actions, mesh=template.with_vertices(unit * actions.neutral), deltas=unit * actions.deltas)
 
 
 def load_action_units() -> dict[str, dict]:
@@ -83,4 +103,10 @@ def _shape_of(path: Path, neutral: Mesh) -> np.ndarray:
     if mesh.vertices.shape != neutral.vertices.shape or not np.array_equal(mesh.polygons, neutral.polygons):
         counts = f"{len(mesh.vertices)} vertices and {len(mesh.polygons)} polygons"
         raise InputError(f"{shown(path)}: expected the mesh of {NEUTRAL}.obj, found another ({counts})")
+    away = np.median(np.linalg.norm(mesh.vertices - neutral.vertices, axis=1)) / neutral.height
+    if away > _FARTHEST:
+        raise InputError(
+            f"{shown(path)}: expected a face in the unit and the place of {NEUTRAL}.obj, found one half of whose "
+            f"vertices are {100 * away:.0f} % of the head's height away"
+        )
     return mesh.vertices

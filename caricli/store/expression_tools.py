@@ -1,7 +1,6 @@
 """What expressions of caricatures are made with, and the caricatures, by path."""
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from caricli.data.expressions import read_expressions, single_expressions
@@ -9,8 +8,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.io.meshes.mesh import is_mesh_file
 from caricli.methods.expressions.tools import ExpressionTools
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
-from caricli.methods.rig.expression_templates import ExpressionTemplates
-from caricli.store.expression_templates import load_templates
+from caricli.store.expression_templates import load_templates, on_template
 from caricli.store.face_pictures import FaceReader
 from caricli.store.faces import load_worn_face
 from caricli.store.landmark_maps import landmark_map_path, load_landmark_map
@@ -18,7 +16,6 @@ from caricli.store.models import DEFAULT_LATENT, load_model, load_morphable
 from caricli.store.rig_sources import PictureSources, picture_sources
 from caricli.structures import Face, Mesh
 from caricli.structures.detection import FacePicture
-from caricli.template.template import Template
 
 
 @dataclass(frozen=True)
@@ -51,7 +48,7 @@ def load_tools(paths: ToolPaths = ToolPaths(), latent: bool = False) -> tuple[Ex
     expressions = single_expressions(actions.names)
     if paths.expressions is not None:
         expressions = read_expressions(paths.expressions, actions.names)
-    actions = _on_template(actions, morphable.template)
+    actions = on_template(actions, morphable.template)
     tools = ExpressionTools(actions, expressions, morphable, load_landmark_map(paths.landmark_map), model)
     if not tools.templates.deltas.any():
         raise InputError(f"{shown(paths.expressions)}: expected expressions that move something, found none")
@@ -63,12 +60,6 @@ def load_neutral_tools(mesh: Mesh) -> ExpressionTools | None:
     """The bundled tools, which find the neutral face of a mesh; None for one of another topology than theirs."""
     actions, _ = load_templates()
     return load_tools()[0] if mesh.topology_id == actions.mesh.topology_id else None
-
-
-def _on_template(actions: ExpressionTemplates, template: Template) -> ExpressionTemplates:
-    """The same templates in metres, with what is known by name on the mesh of a model."""
-    unit = 10.0 ** round(math.log10(template.height / actions.mesh.height))
-    return replace(actions, mesh=template.with_vertices(unit * actions.neutral), deltas=unit * actions.deltas)
 
 
 @dataclass(frozen=True, eq=False)

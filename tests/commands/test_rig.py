@@ -15,7 +15,8 @@ from caricli.io.meshes.obj import read_obj, write_obj
 from caricli.io.rig import read_rig
 from caricli.io.strict_json import read_json
 from caricli.methods.rig.measure_rig import curve_gap
-from caricli.structures import Mesh
+from caricli.store.models import model_path
+from caricli.structures import Material, Mesh
 from caricli.structures.arkit import ARKIT_NAMES
 
 pytestmark = pytest.mark.usefixtures("quick_pictures")
@@ -144,6 +145,23 @@ def test_ones_own_expressions(run, scans, target, egg, tmp_path):
     rig = read_rig(tmp_path / "own.npz")
     grin = read_obj(scans / "Grin.obj").vertices - read_obj(scans / "Neutral.obj").vertices
     np.testing.assert_allclose(rig.deltas[0], grin, atol=1e-5)
+
+
+def test_a_model_says_where_eyes_and_neck_of_an_own_mesh_are(run, head, head_template, undrawn, tmp_path):
+    folder = tmp_path / "expressions"
+    folder.mkdir()
+    for name, actions in (("neutral", {}), ("jawOpen", {"jawOpen": 1.0})):
+        write_obj(folder / f"{name}.obj", head_template.with_vertices(head.evaluate(actions=actions)))
+    line = ("rig", folder / "neutral.obj", "--templates", folder, "--overwrite", "--out", tmp_path / "rig.glb")
+    result = run(*line)
+    assert result.exit_code == 0 and "no eyes and no neck are put in: --model" in result.stderr
+    bare = read_rig(tmp_path / "rig.npz")
+    result = run(*line, "--model", model_path("pca"))
+    assert result.exit_code == 0 and "no eyes" not in result.stderr
+    whole = read_rig(tmp_path / "rig.npz")
+    assert len(bare.neutral) == 4200 and Material.EYE in whole.triangle_materials
+    misused = run("rig", folder / "neutral.obj", "--model", "pca", "--out", tmp_path / "other.glb")
+    assert misused.exit_code == 2 and "--model is for an own mesh" in misused.stderr
 
 
 def test_a_head_in_centimetres_is_told(run, scans, target, undrawn, tmp_path):

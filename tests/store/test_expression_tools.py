@@ -10,8 +10,9 @@ from caricli.io.meshes.mesh import write_mesh
 from caricli.methods.reconstruct.fit_landmarks import fit_landmarks
 from caricli.store.expression_templates import load_action_units, load_templates
 from caricli.store.expression_tools import ToolPaths, load_caricature, load_tools
+from caricli.store.models import model_path
 from caricli.store.rig_sources import PictureSources
-from caricli.structures import Camera, Face
+from caricli.structures import Camera, Face, Mesh
 from caricli.structures.arkit import ARKIT_NAMES
 from caricli.structures.detection import FacePicture
 from caricli.structures.landmarks import Landmarks
@@ -40,6 +41,31 @@ def test_ones_own_templates_take_the_names_of_the_models_mesh(head_template, hea
     assert list(own.expressions) == ["neutral", "Smile"] and own.templates.annotation is not None
 
 
+def test_a_model_knows_the_mesh_of_ones_own_templates(head_template, head, tmp_path):
+    for name, actions in (("neutral", {}), ("Smile", {"mouthSmileLeft": 1.0})):
+        write_mesh(tmp_path / f"{name}.obj", head_template.with_vertices(100 * head.evaluate(actions=actions)))
+    model = model_path("pca")
+    templates, files = load_templates(tmp_path, model)
+    assert templates.annotation is not None and files[-1] == model
+    np.testing.assert_allclose(templates.neutral, head_template.vertices, atol=1e-6)
+    (tmp_path / "other").mkdir()
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    for name, stretch in (("neutral", 1.0), ("tall", [1, 1.1, 1])):
+        tetrahedron = Mesh(stretch * corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+        write_mesh(tmp_path / "other" / f"{name}.obj", tetrahedron)
+    with pytest.raises(InputError, match="pca.safetensors: expected the topology of the templates"):
+        load_templates(tmp_path / "other", model)
+
+
+def test_expressions_in_another_unit_or_place_than_the_neutral_face_are_refused(head_template, head, tmp_path):
+    write_mesh(tmp_path / "neutral.obj", head_template)
+    smile = head.evaluate(actions={"mouthSmileLeft": 1.0})
+    for vertices in (10 * smile, smile + [0, 0.05, 0]):
+        write_mesh(tmp_path / "Smile.obj", head_template.with_vertices(vertices))
+        with pytest.raises(InputError, match="Smile.obj: expected a face in the unit and the place of neutral.obj"):
+            load_templates(tmp_path)
+
+
 def test_one_half_alone_is_not_the_whole(head_template, head, tmp_path):
     write_mesh(tmp_path / "neutral.obj", head_template)
     brow = head.evaluate(actions={"browInnerUp": 0.5})
@@ -62,7 +88,7 @@ def test_templates_of_other_units_and_names_become_arkits_in_metres(head_templat
     own = load_tools(ToolPaths(templates=tmp_path))[0].templates
     np.testing.assert_allclose(own.neutral, head_template.vertices, atol=1e-7)
     np.testing.assert_allclose(own.deltas[own.names.index("browInnerUp")], brow, atol=1e-7)
-    write_mesh(tmp_path / "EyeBlinkLeft.obj", head_template)
+    write_mesh(tmp_path / "EyeBlinkLeft.obj", head_template.with_vertices(100 * head_template.vertices))
     with pytest.raises(InputError, match="found 'eyeBlinkLeft' twice under two names"):
         load_templates(tmp_path)
 

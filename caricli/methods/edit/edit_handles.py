@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from caricli.geometry.gauss_newton import gauss_newton
+from caricli.geometry.repair.components import component_labels
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.geometry.repair.untangle import untangle
@@ -100,7 +101,7 @@ def edit_handles(
     for it. Handles are then corrected for what the residual, which stays on the face, does to them.
 
     face: EncodedFace of the model. model: ShapeModel. handles: Handles of its mesh. settings: HandleSettings.
-    avoid: go only as far as nothing new goes through the surface.
+    avoid: go only as far as nothing goes through the surface where nothing did before, or next to it.
     Returns HandleEdit. Raises InputError for a face of another model.
     """
     require_encoded(face, model)
@@ -109,8 +110,8 @@ def edit_handles(
     share = 1.0
     edited = solver.solve(handles.displacements)
     if avoid:
-        crossing = _crossing(face)
-        share, edited = _farthest(solver, handles, edited, lambda trial: not _crossing(trial) <= crossing)
+        around = _around(face, _crossing(face))
+        share, edited = _farthest(solver, handles, edited, lambda trial: not around[_crossing(trial)].all())
     moved = edited.vertices - face.vertices
     energy = (moved**2).sum(1)
     before, after = (int(flipped_triangles(each.vertices, gradients).sum()) for each in (face, edited))
@@ -143,9 +144,16 @@ def _farthest(solver: "_Solver", handles: Handles, whole: Face, bad: Callable[[F
     return low, best
 
 
-def _crossing(face: Face) -> set[tuple[int, ...]]:
-    """Pairs of triangles that go through each other."""
-    return set(map(tuple, self_intersections(face.vertices, face.faces).tolist()))
+def _crossing(face: Face) -> np.ndarray:
+    """Numbers of triangles that go through others of the same surface; lashes stand in lids, and slide there."""
+    pairs = self_intersections(face.vertices, face.faces)
+    surface = component_labels(face.faces, len(face.vertices))[face.faces[:, 0]]
+    return np.unique(pairs[surface[pairs[:, 0]] == surface[pairs[:, 1]]])
+
+
+def _around(face: Face, triangles: np.ndarray) -> np.ndarray:
+    """(F,) bool, those triangles and their neighbours."""
+    return np.isin(face.faces, face.faces[triangles]).any(1)
 
 
 class _Solver:

@@ -1,5 +1,6 @@
 """Many pictures on one sheet."""
 
+import unicodedata
 from collections.abc import Sequence
 from functools import cache
 from typing import Any
@@ -13,6 +14,7 @@ _GAP = 0.03  # of a cell's shorter side, between cells
 _TEXT = 0.06  # of a cell's shorter side, height of the letters
 _INK = (70, 68, 66)
 _STRIP = 1.6  # of the letters' height, of the strip they stand in
+_SPELT = str.maketrans({"ß": "ss", "ø": "o", "Ø": "O", "æ": "ae", "Æ": "Ae", "–": "-", "—": "-"})
 
 
 def contact_sheet(
@@ -51,6 +53,12 @@ def contact_sheet(
     return sheet
 
 
+def legible(text: str) -> str:
+    """A text in the letters that pictures are labelled with, which are those of English: ö is o there, ж a question."""
+    plain = unicodedata.normalize("NFKD", text.translate(_SPELT))
+    return "".join(c if c.isascii() and c.isprintable() else "?" for c in plain if not unicodedata.combining(c))
+
+
 @cache
 def _font(size: int) -> Any:
     from PIL import ImageFont
@@ -63,7 +71,7 @@ def _labelled(strip: np.ndarray, text: str, size: int) -> np.ndarray:
     from PIL import Image, ImageDraw
 
     font = _font(size)
-    text = "".join(c if c.isprintable() else "?" for c in str(text))
+    text = legible(str(text))
     if font.getlength(text) > strip.shape[1]:
         while text and font.getlength(text + "...") > strip.shape[1]:
             text = text[:-1]

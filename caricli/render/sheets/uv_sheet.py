@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from caricli.errors import InputError
+from caricli.render.sheets.contact_sheet import legible
 from caricli.render.visibility.uv_map import uv_map
 from caricli.template.template import Template
 
@@ -94,7 +95,7 @@ def _write_names(image: np.ndarray, areas: dict[str, np.ndarray]) -> None:
         # Small regions speak first; a large one then leaves them out.
         depth = distance_transform_edt(np.pad(area & ~taken, 1))[1:-1, 1:-1]
         row, column = np.unravel_index(depth.argmax(), depth.shape)
-        text = name.replace("_", " ")
+        text = legible(name.replace("_", " "))
         half = font.getlength(text) / 2 + 2
         at = (float(np.clip(column, half, size - half)), float(row))
         pen.text(at, text, _INK, font, anchor="mm", stroke_width=max(1, size // 1024), stroke_fill=(255, 255, 255))

@@ -3,12 +3,12 @@ import pytest
 
 from caricli.geometry.repair.self_intersections import self_intersections
 from caricli.methods.edit.deform_arap import deform_arap
-from caricli.methods.edit.edit_handles import HandleSettings, edit_handles
+from caricli.methods.edit.edit_handles import HandleSettings, _crossing, edit_handles
 from caricli.methods.edit.handle_figures import handle_figures
 from caricli.methods.edit.handle_points import Handles, vertex_of
 from caricli.methods.faces.encode_face import encode_face
 from caricli.models.pca.model import PcaModel
-from caricli.structures import Camera, Face
+from caricli.structures import Camera, Face, Mesh
 from caricli.template.annotation import Annotation
 from caricli.template.template import Template
 
@@ -99,7 +99,19 @@ def test_an_edit_is_shortened_before_the_surface_crosses_itself(head_template, k
 
 def test_what_crossed_before_shortens_nothing(face, kernel):
     assert len(self_intersections(face.vertices, face.faces))
-    assert pull(face, kernel, [0, 0, 0.001], avoid=True).share == 1
+    for forward in (0.001, 0.012):
+        assert pull(face, kernel, [0, 0, forward], avoid=True).share == 1
+
+
+def test_surfaces_that_stand_in_each_other_do_not_cross():
+    """As lashes do in lids; one that goes through itself does."""
+    wall = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    blade = np.array([[0.2, 0.2, -1], [0.3, 0.2, 1], [0.2, 0.3, 1]])
+    apart = Face(Mesh(np.concatenate([wall, blade]), np.arange(6).reshape(2, 3)))
+    assert not len(_crossing(apart))
+    bridge = np.array([[2, 6, 5]])
+    joined = Mesh(np.concatenate([wall, blade, [[0, 3, 0]]]), np.concatenate([apart.faces, bridge]))
+    assert _crossing(Face(joined)).tolist() == [0, 1]
 
 
 def test_a_face_stays_where_it_is(face, kernel):

@@ -4,7 +4,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.render.backdrop import PAPER, backdrop
 from caricli.render.pixels.blend import over
-from caricli.render.sheets.contact_sheet import contact_sheet
+from caricli.render.sheets.contact_sheet import contact_sheet, legible
 
 
 def plain(colour, height=40, width=40):
@@ -51,6 +51,11 @@ def test_labels_are_written_below_and_shortened():
         sheet = contact_sheet([plain(250)], labels=[text])
         x = np.argwhere(sheet.min(-1) < 200)[:, 1]
         assert 1 < x.min() and x.max() < sheet.shape[1] - 2
+
+
+def test_labels_have_the_letters_of_english():
+    assert legible("größe kopf é – Ærø") == "grosse kopf e - Aero"
+    assert legible("жук\n1") == "????1"
 
 
 def test_nothing_and_mismatched_labels_are_refused():
