@@ -19,6 +19,6 @@ def distinct_names(paths: Sequence[Path], between: str = "/") -> list[str]:
     root = os.path.commonpath([place.parent for place in places])
     below = [place.relative_to(root) for place in places]
     # From the end, because a folder may lie deeper than another.
-    levels = [*zip_longest(*(reversed((*path.parent.parts, path.stem)) for path in below))]
+    levels = [*zip_longest(*(reversed((*path.parent.parts, stem)) for path, stem in zip(below, stems, strict=True)))]
     columns = [parts for parts in reversed(levels) if len(set(parts)) > 1] or [tuple(stems)]
     return [between.join(filter(None, parts)) or stem for *parts, stem in zip(*columns, stems, strict=True)]

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
+from threading import RLock
 
 import numpy as np
 import scipy
@@ -24,6 +25,7 @@ QUICK = 0.02
 """Seconds: what is made sooner, as of small meshes, is not kept."""
 
 _PACKAGE = Path(__file__).parent.parent
+_alone = RLock()
 
 
 def kept_arrays(
@@ -43,8 +45,9 @@ def kept_arrays(
                 os.utime(path)
             return kept
     start = time.perf_counter()
-    # Sums of several threads come out otherwise, by a last bit that all later results would keep.
-    with threadpool_limits(limits=1):
+    # Sums of several threads come out otherwise, by a last bit that all later results would keep. The limit is that of
+    # the whole process: one that was set beside another would stay, or end too soon.
+    with _alone, threadpool_limits(limits=1):
         arrays = make()
     if path is not None and time.perf_counter() - start > QUICK:
         _keep(path, arrays)

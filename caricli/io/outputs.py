@@ -133,7 +133,7 @@ def staging_folders(folder: Path, names: Iterable[str]) -> list[Path]:
     """
     possible = set(names)
     folders = []
-    for path in folder.glob(f"{_PREFIX}*"):
+    for path in filter(lambda path: _STAGING_FOLDER.fullmatch(path.name), folder.glob(f"{_PREFIX}*")):
         with suppress(OSError):  # it may just have gone
             inside = os.listdir(path)
             if inside and all(name in possible or name.startswith(_REPLACED) for name in inside):
@@ -178,13 +178,13 @@ def _write_errors(paths: Sequence[str | Path]) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        named = isinstance(error.filename, str | os.PathLike) and _PREFIX in str(error.filename)
+        named = isinstance(error.filename, str | os.PathLike) and bool(_STAGING_FOLDER.search(str(error.filename)))
         if not named and error.errno not in _WRITE_ERRORS:
             raise
         name = final_name(str(error.filename)) if named else paths[0]
         raise OutputError(f"{shown(name)}: cannot be written: {_reason(error)}") from error
     except CaricliError as error:
-        if _PREFIX not in str(error):
+        if not _STAGING_FOLDER.search(str(error)):
             raise
         raise type(error)(re.sub(_STAGING_FOLDER.pattern + "/", "", str(error))) from error
 

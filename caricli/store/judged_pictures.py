@@ -77,8 +77,8 @@ def _generated(folder: Path, detector: Detector, count: int) -> tuple[JudgedPict
         numbers = pictures.pictures_of("test").tolist()
         note = f"{folder}: the detector has seen some of its people; measured on {len(numbers)} pictures of others"
         return JudgedPictures(pictures, numbers[:count]), note
-    note = None if seen is not None else f"{folder}: no word of whom the detector was trained with, who may be in it"
-    return JudgedPictures(pictures, [*range(pictures.count)][:count]), note
+    silent = f"{folder}: no word of whom the detector was trained with, who may be in it"
+    return JudgedPictures(pictures, [*range(pictures.count)][:count]), silent if seen is None else None
 
 
 def _real(path: Path, marks: Path, pts_origin: int) -> JudgedPicture:

@@ -1,16 +1,15 @@
 """A folder of pictures whose landmarks are placed one by one; the landmark files beside them tell which are done."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from caricli.errors import InputError, OutputError, shown
-from caricli.io.landmarks import read_landmarks, write_landmarks
+from caricli.io.landmarks import write_landmarks
 from caricli.io.outputs import staged
 from caricli.store.face_pictures import FaceReader
-from caricli.store.pictures import MARKS, PICTURES, load_marked_picture, pictures_in
+from caricli.store.pictures import MARKS, PICTURES, load_marked_picture, marks_beside, pictures_in
 from caricli.structures import Landmarks
 
 
@@ -44,12 +43,11 @@ class MarkedFolder:
 
     def file(self, picture: Path) -> Path:
         """The landmark file beside a picture; where there is none, where it will be. Others may have its name."""
-        files = [picture.with_suffix(suffix) for suffix in MARKS]
-        return next(filter(_holds_landmarks, files), files[0])
+        return marks_beside(picture) or picture.with_suffix(MARKS[0])
 
     def is_done(self, picture: Path) -> bool:
         """Whether there are landmarks beside a picture."""
-        return _holds_landmarks(self.file(picture))
+        return marks_beside(picture) is not None
 
     @property
     def done(self) -> int:
@@ -92,24 +90,6 @@ class MarkedFolder:
         with staged(file, overwrite=True, inputs=(picture,)) as temporaries:
             write_landmarks(temporaries[0], landmarks)
         return file
-
-
-def _holds_landmarks(file: Path) -> bool:
-    """Whether a file is there and says where landmarks are."""
-    try:
-        status = file.stat()
-    except OSError:
-        return False
-    return _says_landmarks(file, status.st_mtime_ns, status.st_size)
-
-
-@lru_cache(maxsize=1 << 16)
-def _says_landmarks(file: Path, _changed: int, _size: int) -> bool:
-    try:
-        read_landmarks(file)
-    except InputError:
-        return False
-    return True
 
 
 def seen_marks(pixels: np.ndarray, count: int, reader: FaceReader) -> Landmarks | None:

@@ -1,6 +1,7 @@
 """Pictures that landmarks and faces belong to, by path."""
 
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from caricli.structures.parsing import Region
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".gif")
 
 MARKS = (".json", ".pts", ".txt", ".npy")
-"""Suffixes of landmark files; where a picture has several, the first counts."""
+"""Suffixes of landmark files; where a picture has several, the first that holds landmarks counts."""
 
 _EYE_LABELS = ("eye_left", "eye_right", "eyes")
 """Labels of a parsed picture that show an eye."""
@@ -48,9 +49,26 @@ def pictures_in(folder: Path) -> list[Path]:
 
 
 def marks_beside(picture: Path) -> Path | None:
-    """The landmark file beside a picture, or None."""
-    files = (picture.with_suffix(suffix) for suffix in MARKS)
-    return next((file for file in files if file.is_file()), None)
+    """The landmark file beside a picture, or None; other files may have its name."""
+    return next(filter(_holds_landmarks, map(picture.with_suffix, MARKS)), None)
+
+
+def _holds_landmarks(file: Path) -> bool:
+    """Whether a file is there and says where landmarks are."""
+    try:
+        status = file.stat()
+    except OSError:
+        return False
+    return _says_landmarks(file, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=1 << 16)
+def _says_landmarks(file: Path, _changed: int, _size: int) -> bool:
+    try:
+        read_landmarks(file)
+    except InputError:
+        return False
+    return True
 
 
 def find_picture(image: Path | None, path: Path, name: str | None) -> Path | None:

@@ -26,7 +26,9 @@ def portrait_files(folder: Path | None) -> list[tuple[Path, Path]]:
 
 def _marks(picture: Path) -> Path:
     """The landmark file beside a picture. Raises InputError where there is none."""
-    marks = marks_beside(picture)
+    # One that is damaged says what is wrong with it when it is read.
+    files = filter(Path.is_file, map(picture.with_suffix, MARKS))
+    marks = marks_beside(picture) or next(files, None)
     if marks is None:
         raise InputError(f"{shown(picture)}: expected landmarks beside it, with one of {', '.join(MARKS)}; found none")
     return marks

@@ -4,6 +4,7 @@ import os
 import secrets
 import stat
 from contextlib import suppress
+from html import escape
 from pathlib import Path
 
 from caricli.errors import CaricliError
@@ -25,13 +26,31 @@ def studio_token() -> str:
         kept = _kept(path)
         if kept is not None:
             return kept
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with suppress(FileNotFoundError):
-            path.unlink()
-        descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, stat.S_IRUSR | stat.S_IWUSR)
-        with os.fdopen(descriptor, "w", encoding="ascii") as file:
-            file.write(fresh)
+        _keep(path, fresh)
     return fresh
+
+
+def private_link(address: str) -> str:
+    """What a browser is to open for an address with a token: others can read the words of its command line.
+
+    It is a page in the user's cache, which nobody else can read and which leads there; where that cannot be, the
+    address itself.
+    """
+    with suppress(CaricliError, OSError):
+        path = cache_folder() / "studio.html"
+        _keep(path, f'<!doctype html><meta http-equiv="refresh" content="0; url={escape(address)}">\n')
+        return path.as_uri()
+    return address
+
+
+def _keep(path: Path, text: str) -> None:
+    """Write a file that only this user can read."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with suppress(FileNotFoundError):
+        path.unlink()
+    descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, stat.S_IRUSR | stat.S_IWUSR)
+    with os.fdopen(descriptor, "w", encoding="ascii") as file:
+        file.write(text)
 
 
 def _kept(path: Path) -> str | None:

@@ -13,6 +13,7 @@ from caricli.io.distinct_names import distinct_names
         (["a/b/face.npz", "a/face.npz"], ["b", "face"]),
         (["x/face.npz", "x/face.obj"], ["face", "face"]),
         (["x/..png", "x/...png"], ["..png", "...png"]),
+        (["a/..png", "b/..png", "c/x.png"], ["a-..png", "b-..png", "c-x"]),
         (["x/face.npz", "x/../x/face.npz"], ["face", "face"]),
         (["x/../a/face.npz", "../face.npz", "b/face.npz"], ["work-a", "face", "work-b"]),
     ],

@@ -1,4 +1,6 @@
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -55,6 +57,23 @@ def test_what_is_kept_does_not_hang_on_how_many_threads_made_it():
     kept_arrays("thing", (), make)
     assert makers and {*makers} == {1}
     assert [library["num_threads"] for library in threadpool_info()] == usual
+
+
+def test_two_that_are_made_at_once_wait_for_each_other():
+    usual = [library["num_threads"] for library in threadpool_info()]
+    inside = []
+    most = []
+
+    def make():
+        inside.append(1)
+        time.sleep(0.05)
+        most.append(len(inside))
+        inside.pop()
+        return {}
+
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda name: kept_arrays(name, (), make), ("one", "other")))
+    assert most == [1, 1] and [library["num_threads"] for library in threadpool_info()] == usual
 
 
 def test_a_cache_that_can_only_be_read_is_read(monkeypatch):

@@ -48,6 +48,15 @@ def test_of_several_landmark_files_all_take_the_same(folder, points):
         ((picture, marks),) = portrait_files(folder)
         assert marks == MarkedFolder.of(folder).file(picture)
     assert marks.suffix == ".json"
+    marks.write_text('{"schema": "caricli.portrait/1"}')  # a report that has the picture's name
+    ((picture, marks),) = portrait_files(folder)
+    assert marks.suffix == ".pts" and marks == MarkedFolder.of(folder).file(picture)
+
+
+def test_a_landmark_file_that_is_damaged_is_read_to_say_so(folder):
+    (folder / "one.txt").write_text("1 2\nthree")
+    ((_, marks),) = portrait_files(folder)
+    assert marks.suffix == ".txt"
 
 
 def test_the_first_pixel_of_a_pts_file_is_as_it_is_said(folder, points):

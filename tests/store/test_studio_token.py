@@ -1,6 +1,6 @@
 import pytest
 
-from caricli.store.studio_token import studio_token
+from caricli.store.studio_token import private_link, studio_token
 
 
 @pytest.fixture(autouse=True)
@@ -36,3 +36,18 @@ def test_without_a_cache_it_is_another_every_time(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     assert studio_token() != studio_token()
+
+
+def test_the_words_of_a_browsers_command_line_tell_nobody(path):
+    address = "http://127.0.0.1:8080/?a=1&token=secret"
+    link = private_link(address)
+    page = path.with_name("studio.html")
+    assert "secret" not in link and link == page.as_uri() and page.stat().st_mode & 0o777 == 0o600
+    assert 'content="0; url=http://127.0.0.1:8080/?a=1&amp;token=secret"' in page.read_text()
+    assert private_link("http://localhost/") == link and "localhost" in page.read_text()
+
+
+def test_without_a_cache_a_browser_opens_the_address_itself(monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    assert private_link("http://localhost/") == "http://localhost/"

@@ -222,18 +222,18 @@ def test_a_training_whose_folder_another_took_is_refused(training, template, tmp
 
 
 def test_what_a_killed_training_left_goes_when_one_is_done(training, template, tmp_path):
-    for place, name in (("half", STATE), ("done", ".replaced-0"), ("other", "face.obj")):
+    for place, name in (("half____", STATE), ("done____", ".replaced-0"), ("other___", "face.obj"), ("mine", STATE)):
         (tmp_path / f".caricli-{place}").mkdir()
         (tmp_path / f".caricli-{place}" / name).write_text("half")
-    (tmp_path / ".caricli-empty").mkdir()  # of who has yet to write
+    (tmp_path / ".caricli-empty___").mkdir()  # of who has yet to write
     run = TrainingRun(tmp_path, RECIPE, Beginning())
-    (tmp_path / ".caricli-later").mkdir()
-    (tmp_path / ".caricli-later" / STATE).write_text("half")
+    (tmp_path / ".caricli-later___").mkdir()
+    (tmp_path / ".caricli-later___" / STATE).write_text("half")
     list(run.follow(training(), template))
-    assert (tmp_path / ".caricli-half").exists()
+    assert (tmp_path / ".caricli-half____").exists()
     run.report({})
     left = {path.name for path in tmp_path.iterdir()} - {*FILES}
-    assert left == {".caricli-other", ".caricli-empty", ".caricli-later"}
+    assert left == {".caricli-mine", ".caricli-other___", ".caricli-empty___", ".caricli-later___"}
 
 
 def test_a_process_that_does_not_write_leaves_nothing(training, template, tmp_path):

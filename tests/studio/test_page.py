@@ -341,6 +341,11 @@ def test_the_browser_keeps_the_tabs_that_were_worked_on_last(tab):
     assert tab.page.evaluate(f"{kept} == caricliKeep.name && caricliKeep.lost == ''")
 
 
+def test_a_host_that_is_no_name_is_none_of_ours():
+    result = CliRunner().invoke(cli, ["studio", "--no-browser", "--host", "x" * 64])
+    assert result.exit_code == 2 and "cannot be served from: no such address" in result.stderr
+
+
 def test_a_port_that_another_studio_is_about_to_serve_is_taken(tmp_path):
     server = Server(tmp_path)
     try:

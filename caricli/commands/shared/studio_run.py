@@ -54,7 +54,7 @@ def serve_studio(start: Path | None, host: str, port: int, browser: bool) -> Non
     if find_spec("nicegui") is None:
         raise CaricliError("the page needs NiceGUI, which is not installed: pip install 'caricli[studio]'")
     from caricli.store.session_tools import SessionTools
-    from caricli.store.studio_token import studio_token
+    from caricli.store.studio_token import private_link, studio_token
     from caricli.studio.page import studio_page
     from caricli.studio.server import Address, Studio, serve, studio_app
 
@@ -66,7 +66,7 @@ def serve_studio(start: Path | None, host: str, port: int, browser: bool) -> Non
     def started() -> None:
         click.echo(address.url)
         if browser:
-            webbrowser.open(address.url)
+            webbrowser.open(private_link(address.url))
 
     serve(studio_app(studio, studio_page(studio), address.token), place, started)
 
@@ -79,7 +79,7 @@ def _listening(host: str, port: int) -> socket.socket:
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         return socket.create_server((host, port), family=family)
-    except OSError as error:
+    except (OSError, UnicodeError) as error:
         # Where Python says the address again, the reason alone.
-        reason = (error.strerror or "no such address").partition(" (while")[0]
+        reason = (getattr(error, "strerror", None) or "no such address").partition(" (while")[0]
         raise UsageError(f"--host {host} --port {port}: cannot be served from: {reason}") from None

@@ -153,7 +153,8 @@ def _crossing(face: Face) -> np.ndarray:
 
 def _around(face: Face, triangles: np.ndarray) -> np.ndarray:
     """(F,) bool, those triangles and their neighbours."""
-    return np.isin(face.faces, face.faces[triangles]).any(1)
+    beside: np.ndarray = np.isin(face.faces, face.faces[triangles]).any(1)
+    return beside
 
 
 class _Solver:

@@ -111,9 +111,9 @@ class Mouth:
 
     @cached_property
     def _rims(self) -> tuple[np.ndarray, np.ndarray]:
-        """The lowest (3,) and highest (3,) coordinates of the rims of the lips, metres."""
+        """The lowest (3,) and highest (3,) coordinates of the rims of the lips, metres; infinitely far without any."""
         rims = self.rimmed.skin[self.pocket.rims]
-        return rims.min(0), rims.max(0)
+        return rims.min(0, initial=np.inf), rims.max(0, initial=-np.inf)
 
     def _out_of_rims(self, points: np.ndarray) -> np.ndarray:
         """(N, 3) the way out of lips' rims, zero for points (N, 3) that are in none."""

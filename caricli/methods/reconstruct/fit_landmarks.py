@@ -56,6 +56,8 @@ def fit_landmarks(
     fit = _method(model, method or fitting_method(model), prior_weight)(points, look=look, spreads=spreads)
     if picture is None or fit.face.residual is None:
         return fit
+    if spreads is not None and fit.outline is not None:
+        points, _ = fit.outline.joined(points, spreads)
     return _as_pictured(fit, points, cast(IntrinsicModel, model), picture)
 
 
@@ -71,7 +73,7 @@ def _look(face: Face, template: Template, points: np.ndarray, picture: ParsedPic
 def _as_pictured(fit: LandmarkFit, points: np.ndarray, model: IntrinsicModel, picture: ParsedPicture) -> LandmarkFit:
     """A fit whose ears and sides end where a picture shows it, and whose neck is as thin.
 
-    points: (L, 2) landmarks that were given. model: of its latent.
+    points: (L, 2) landmarks that were fitted. model: of its latent.
     """
     # OpenCV takes a while to start, and most fits have no picture.
     from caricli.methods.reconstruct.fit_ears import fit_ears

@@ -57,10 +57,10 @@ def mask_head(face: Face, image: np.ndarray, points: np.ndarray | None = None) -
 
 
 def _outline(points: np.ndarray) -> np.ndarray:
-    """(N, 2) pixels around the face: what is given of its outline, or else the hull of all landmarks (L, 2)."""
+    """(N, 2) pixels around the face: its outline, or where some of that is unknown the hull of all landmarks (L, 2)."""
     given = np.isfinite(points).all(1)
-    outline = points[[number for number in OUTLINE if given[number]]]
-    return outline if len(outline) > 2 else cv2.convexHull(points[given].astype(np.float32))[:, 0]
+    outline = list(OUTLINE)
+    return points[outline] if given[outline].all() else cv2.convexHull(points[given].astype(np.float32))[:, 0]
 
 
 def _covered(face: Face, height: int, width: int, zoom: float = 1.0) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Tests of the inside of a mouth."""
 
+from dataclasses import replace
+
 import igl
 import numpy as np
 import pytest
@@ -47,3 +49,15 @@ def test_what_was_pushed_as_far_as_it_may_be_in_the_wall_is_not_pushed_again(ope
     margin = -DEPTH / 2
     pushed = points + mouth.pushes(points, margin)
     assert np.linalg.norm(mouth.pushes(pushed, margin), axis=1).max() < 1e-12
+
+
+def test_a_mouth_whose_lips_are_not_named_has_no_rims():
+    template = load_head().template()
+    ids = template.annotation.regions["inner_mouth"]
+    regions = {name: rows for name, rows in template.annotation.regions.items() if name != "mouth"}
+    plain = replace(template, annotation=replace(template.annotation, regions=regions))
+    pocket = Pocket(plain, ids)
+    mouth = Mouth(pocket, plain.vertices[pocket.lips.ids])
+    assert not len(pocket.rims)
+    pushes = mouth.pushes(plain.vertices[ids], APART)
+    assert np.isfinite(pushes).all()

@@ -119,6 +119,12 @@ def test_errors_are_those_of_the_face_whose_ears_were_fitted(head, intrinsic, se
     errors /= np.linalg.norm(np.ptp(truth.points, axis=0))
     assert fit.nme == pytest.approx(errors.mean()) and fit.nme > 2 * plain.nme
     assert fit.part_errors["extra"] == pytest.approx(errors[68:].mean())
+    # Of detected ears, where it and the picture together say.
+    spreads = np.tile(400.0 * np.eye(2), (81, 1, 1))
+    both = fit_landmarks(truth.points, intrinsic, picture=ParsedPicture(image, regions), spreads=spreads)
+    places, _ = both.outline.joined(truth.points, spreads)
+    away = 100 * np.linalg.norm(both.face.landmarks - places, axis=1) / np.linalg.norm(np.ptp(places, axis=0))
+    assert both.nme == pytest.approx(away.mean()) and both.nme < 2 * both.nme_latent
 
 
 def test_labels_tell_ears_before_a_background_of_their_colour(head, intrinsic, seen):

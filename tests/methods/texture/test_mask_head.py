@@ -128,6 +128,14 @@ def test_where_nothing_of_the_outline_is_known_the_other_landmarks_enclose_the_f
     assert overlap(alike, ellipse((HEIGHT, WIDTH), radii=0.6 * RADII)) > 0.7
 
 
+@pytest.mark.parametrize("part", [(4, 5, 6), (4, 5, 6, 7), (17, 18, 19), (0, 8, 16, 20)])
+def test_a_sliver_of_the_outline_does_not_enclose_the_face(face, points, part):
+    eyes = np.radians(np.arange(12) * 30)
+    points[36:48] = CENTRE + 0.6 * RADII * np.stack([np.cos(eyes), np.sin(eyes)], axis=1)
+    points[[number for number in range(27) if number not in part]] = np.nan
+    assert overlap(mask_head(face, picture(), points), ellipse((HEIGHT, WIDTH))) > 0.85
+
+
 def test_a_face_that_fills_its_picture(face, points):
     mask = mask_head(zoomed(face, 1, -50), picture()[50:190, 50:170], points - 50)
     assert mask.mean() > 0.8
