@@ -12,6 +12,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.models.checks import check_schema, network_size, whole_number, window_side
 from caricli.models.coarse.config import STEP, CoarseSize
 from caricli.models.coarse.networks import CoarseNetwork
+from caricli.models.inference import on_one_core
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_network
 from caricli.structures.landmarks import SCHEMES
@@ -51,7 +52,7 @@ class CoarseModel(NetworkModel[CoarseNetwork]):
         """(D,) how far coefficients usually are from the likeliest ones of true faces, root mean squares."""
         return self.network.doubt.double().numpy()
 
-    @torch.inference_mode()
+    @on_one_core
     def read(self, windows: np.ndarray, points: np.ndarray, spreads: np.ndarray | None = None) -> np.ndarray:
         """Coefficients (B, D), pixels in those of the windows.
 

@@ -12,6 +12,7 @@ from caricli.errors import InputError, naming, shown
 from caricli.models.checks import check_schema, whole_number, window_side
 from caricli.models.gesture.config import POOLED
 from caricli.models.gesture.networks import GestureNetwork
+from caricli.models.inference import on_one_core
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_network
 from caricli.render.pixels.draw_stroke import draw_stroke
@@ -50,7 +51,7 @@ class GestureModel(NetworkModel[GestureNetwork]):
         """What a stroke (N, 2), pixels, y down, is. Raises InputError when it is no line."""
         return recognition(self.probabilities([stroke])[0])
 
-    @torch.inference_mode()
+    @on_one_core
     def probabilities(self, strokes: Sequence[np.ndarray]) -> np.ndarray:
         """(B, 10) of GESTURES. strokes: (N, 2) each, pixels, y down. Raises InputError when one is no line."""
         parts = [np.zeros((0, len(GESTURES)), np.float32)]

@@ -11,6 +11,7 @@ import torch
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.alignment.head_rotation import head_rotation
 from caricli.models.checks import check_schema, curve_names, network_size, whole_number, window_side
+from caricli.models.inference import on_one_core
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_network
 from caricli.models.sketch.config import STEP, PublishedSize, SketchSize
@@ -109,7 +110,7 @@ class SketchModel(NetworkModel[SketchNetwork | PublishedNetwork]):
         back = (centred * ways).sum((1, 2)) < (centred * ways[:, ::-1]).sum((1, 2))
         return np.where(back[:, None, None], turned[:, :, ::-1], turned)
 
-    @torch.inference_mode()
+    @on_one_core
     def read(self, windows: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Latents and cameras (B, D + 6) of windows (B, S, S) uint8 ink, and points (B, K, P, 2), NaN where unknown."""
         ink = torch.from_numpy(windows.astype(np.float32) / 255)[:, None]

@@ -10,6 +10,7 @@ import torch
 
 from caricli.errors import InputError, naming
 from caricli.models.checks import check_schema, curve_names, network_size, window_side
+from caricli.models.inference import on_one_core
 from caricli.models.network_model import NetworkModel
 from caricli.models.network_weights import load_network
 from caricli.models.sketch.model import other_side
@@ -51,7 +52,7 @@ class StrokeModel(NetworkModel[StrokeNetwork]):
         self.window = window
         self.curves = curves
 
-    @torch.inference_mode()
+    @on_one_core
     def read(self, sketch: Sketch) -> StrokeReading:
         """What the strokes of a sketch draw, whatever their names say. Raises InputError where nothing is drawn,
         or the network's numbers overflow.
