@@ -5,6 +5,7 @@ import io
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -18,13 +19,16 @@ from caricli.data.mesh_names import (
     read_level,
     read_mesh_name,
 )
-from caricli.errors import InputError, naming
-from caricli.io.files import read_text
+from caricli.errors import InputError, naming, shown
+from caricli.io.files import column_separator, read_text
 from caricli.io.parse_number import parse_number
 
 MAX_CSV_BYTES = 2**26
+_MAX_LABEL = float(np.finfo(np.float32).max)
 
 _OWN_COLUMNS = ("file", "identity", "expression", "level")
+_ALIKE = 0.85
+"""How much the name of a label is like one of these columns (``difflib``) where it may be a misspelt one, at least."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +61,14 @@ class Labels:
     @property
     def notes(self) -> tuple[str, ...]:
         """What is worth knowing of them, a line each."""
+        meant = {name: _meant(name) for name in self.names.tolist()}
+        notes = [f"column {shown(name, 40)!r} is taken for a label{meant[name]}" for name in meant if meant[name]]
         counts = Counter(name.expression for name in self.shown)
-        if counts[NEUTRAL]:
-            return ()
-        commonest = max(self.expressions, key=counts.__getitem__)
-        return (f"no mesh is {NEUTRAL}: of the expressions train morphable takes the commonest, {commonest}, for none",)
+        if not counts[NEUTRAL]:
+            commonest = max(self.expressions, key=counts.__getitem__)
+            of_these = f"of the expressions train morphable takes the commonest, {commonest}, for none"
+            notes.append(f"no mesh is {NEUTRAL}: {of_these}")
+        return tuple(notes)
 
     def columns(self) -> dict[str, np.ndarray]:
         """(N,) int32 by the names of a dataset's columns."""
@@ -74,23 +81,26 @@ class Labels:
 def read_labels(path: Path | None, files: Sequence[str]) -> Labels:
     """Read the CSV with a row for every file; what it does not say, the names of the files do.
 
-    files: (N,) names, each that of its row in any Unicode form, blanks around it aside. Raises InputError.
+    path: of the CSV, its columns between commas or semicolons. files: (N,) names, each that of its row in any Unicode
+    form, blanks around it aside. Raises InputError.
     """
     if path is None:
         return Labels(tuple(map(_name_of, files)), np.array([], dtype="<U1"), np.zeros((len(files), 0), np.float32))
     text = read_text(path, MAX_CSV_BYTES, "a CSV file")
+    between = column_separator(text.partition("\n")[0])
     with naming(path):
         try:
-            header, *lines = csv.reader(io.StringIO(text))
+            header, *lines = csv.reader(io.StringIO(text), delimiter=between)
         except (csv.Error, ValueError) as error:
             raise InputError(f"expected a CSV, found {error}") from None
         header = [_column(name) for name in header]
         if "file" not in header or len(set(header)) < len(header):
             raise InputError("expected a CSV with a column 'file' and no column twice")
-        return _labels(header, lines, files)
+        return _labels(header, lines, files, "," if between == ";" else ".")
 
 
-def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> Labels:
+def _labels(header: list[str], lines: list[list[str]], files: Sequence[str], point: str) -> Labels:
+    """The Labels of the rows of a table. point: what fractions begin with."""
     names = [name for name in header if name not in _OWN_COLUMNS]
     said: dict[str, MeshName] = {}
     values: dict[str, list[float]] = {}
@@ -105,7 +115,7 @@ def _labels(header: list[str], lines: list[list[str]], files: Sequence[str]) -> 
             if file in values:
                 raise InputError(f"{file!r} comes twice")
             said[file] = _shown(row)
-            values[file] = _numbers([row[name] for name in names])
+            values[file] = [_number(row[name].replace(point, "."), name) for name in names]
     missing = [file for file in files if normal_name(file) not in values]
     if missing:
         raise InputError(f"expected a row for every file, found none for {missing[0]} ({len(missing)} in all)")
@@ -135,11 +145,19 @@ def _shown(row: dict[str, str]) -> MeshName:
     return MeshName(person, expression_name(row.get("expression", name.expression) or NEUTRAL), level)
 
 
-def _numbers(texts: list[str]) -> list[float]:
+def _number(text: str, name: str) -> float:
+    """What a label column, by its name, says of a file."""
     try:
-        numbers = [parse_number(text) for text in texts]
+        number = parse_number(text)
     except ValueError:
-        raise InputError("expected a number in every label column") from None
-    if not (np.abs(numbers) <= np.finfo(np.float32).max).all():
-        raise InputError("expected finite labels of single precision, found others")
-    return numbers
+        column = f"the label column {shown(name, 40)!r}{_meant(name)}"
+        raise InputError(f"expected a number in {column}, found {shown(text, 40)!r}") from None
+    if abs(number) > _MAX_LABEL:
+        raise InputError(f"expected finite labels of single precision, found {shown(text, 40)} for {shown(name, 40)!r}")
+    return number
+
+
+def _meant(name: str) -> str:
+    """A question whether a label's name is a misspelt column's, or nothing."""
+    columns = get_close_matches(name.lower(), _OWN_COLUMNS, 1, _ALIKE)
+    return "".join(f" (is {column} meant?)" for column in columns)

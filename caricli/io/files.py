@@ -44,6 +44,11 @@ def text_start(data: bytes) -> bytes:
     return data.lstrip(b"\xef\xbb\xbf \t\r\n")
 
 
+def column_separator(header: str) -> str:
+    """What stands between the columns of a CSV, by its first line: a comma, or a semicolon where that has no comma."""
+    return ";" if ";" in header and "," not in header else ","
+
+
 def without_utf16(data: bytes) -> bytes:
     """Text in UTF-16 with its byte-order mark, as spreadsheets save it, in UTF-8; any other bytes as they are."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):

@@ -3,6 +3,7 @@ import unicodedata
 import numpy as np
 import pytest
 
+from caricli.data.attributes import measure_attributes
 from caricli.data.dataset import read_dataset
 from caricli.data.import_dataset import import_dataset
 from caricli.data.labels import read_labels
@@ -71,3 +72,44 @@ def test_a_dataset_keeps_the_names_that_files_have(barrels, tmp_path):
     data = read_dataset(tmp_path / "out")
     rows = [data.factors["file"].tolist().index(name) for name in names]
     assert len(np.unique(data.identity[rows])) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("identiti", "identity"), ("Indentity", "identity"), ("expresion", "expression"), ("levels", "level")],
+)
+def test_a_misspelt_column_is_asked_about(tmp_path, name, meant):
+    table = table_of(tmp_path / "l.csv", f"file,{name},Nose", "a.obj,1,2", "b.obj,2,3")
+    labels = read_labels(table, ["a.obj", "b.obj"])
+    assert labels.notes == (f"column {name!r} is taken for a label (is {meant} meant?)",)
+    table = table_of(tmp_path / "l.csv", f"file,Nose,{name}", "a.obj,1,2", "b.obj,1,anna")
+    said = rf"l.csv: line 3: expected a number in the label column '{name}' \(is {meant} meant\?\), found 'anna'"
+    with pytest.raises(InputError, match=said):
+        read_labels(table, ["a.obj", "b.obj"])
+
+
+def test_usual_labels_are_not_asked_about(head_template, tmp_path):
+    usual = [*measure_attributes(head_template.vertices, head_template, 1.0, 0.5, True)]
+    names = [*usual, "smile", "profile", "density", "expressive", "intensity", "identification", "Smile level"]
+    table = table_of(tmp_path / "l.csv", ",".join(["file", *names]), ",".join(["a.obj", *"1" * len(names)]))
+    labels = read_labels(table, ["a.obj"])
+    assert labels.names.tolist() == names and labels.notes == ()
+
+
+def test_what_is_no_label_is_refused_with_its_column(tmp_path):
+    for cell, said in (
+        ("big", "expected a number in the label column 'Nose', found 'big'"),
+        ("1e39", "expected finite labels of single precision, found 1e39 for 'Nose'"),
+        ("1,5", "expected a number in the label column 'Nose', found '1,5'"),
+    ):
+        table = table_of(tmp_path / "l.csv", "file,Mouth,Nose", f'a.obj,1,"{cell}"')
+        with pytest.raises(InputError, match=f"l.csv: line 2: {said}$"):
+            read_labels(table, ["a.obj"])
+
+
+def test_a_table_may_have_semicolons_and_fractions_with_commas(tmp_path):
+    table = table_of(tmp_path / "l.csv", "file;identity;Nose;Mouth", "a,b.obj;Li, Anna;1,5;.25", "c.obj;bob;-2;1")
+    labels = read_labels(table, ["a,b.obj", "c.obj"])
+    assert labels.people == ["Li, Anna", "bob"] and labels.values.tolist() == [[1.5, 0.25], [-2, 1]]
+    with pytest.raises(InputError, match="line 2: expected 2 columns, found 1"):
+        read_labels(table_of(tmp_path / "l.csv", "file;Nose", "a.obj,1"), ["a.obj"])

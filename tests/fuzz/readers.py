@@ -594,6 +594,7 @@ _ARRAYS: dict[str, Any] = {"names": np.array(["jawOpen", "b"]), "weights": np.ar
 _STEPS: Callable[[Path], object] = lambda path: read_config(path, DeformableConfig)  # noqa: E731
 _ACTIONS: Callable[[Path], object] = lambda path: read_expressions(path, ARKIT_NAMES)  # noqa: E731
 _HANDLES: Callable[[Path], object] = lambda path: handle_points(load_handles(path), (), template(), False)  # noqa: E731
+_TABLES = ("file,identity,BigNose\na.obj,x,0.5\nb.obj,y,-1e3\n", "file;level;Nose\na.obj;1;0,5\nb.obj;2;1\n")
 _TABLE: Callable[[Path], object] = lambda path: read_labels(path, ["a.obj", "b.obj"])  # noqa: E731
 
 
@@ -652,7 +653,7 @@ def _all() -> list[Reader]:
         Reader("annotation.json", _read_annotation, (_json(ANNOTATION), _json(ANNOTATION | {"parts": PARTS})),
                mutate_json),
         Reader("handles.json", _HANDLES, (_json({"l30": [0, 0, "5%"], "17": [0.01, 0, 0]}),), mutate_json),
-        Reader("labels.csv", _TABLE, (_text("file,identity,BigNose\na.obj,x,0.5\nb.obj,y,-1e3\n"),)),
+        Reader("labels.csv", _TABLE, tuple(map(_text, _TABLES))),
         Reader("material.txt", _read_material, (_text("mtllib a.mtl\nmap_Kd -s 1 1 1 a.png\n"),)),
     ]  # fmt: skip
 

@@ -17,8 +17,8 @@ from caricli.io.outputs import staged_folder
     "--labels",
     type=PATH,
     metavar="CSV",
-    help="Read labels from a table: a row for every mesh, columns for file, identity, expression and level (these "
-    "three are optional) and labels.",
+    help="Read labels from a table, its columns between commas or semicolons: a row for every mesh, columns for file, "
+    "identity, expression and level (these three are optional) and labels, which are numbers.",
 )
 @click.option(
     "--unit",

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from caricli.errors import InputError, naming, shown
-from caricli.io.files import decode_text, read_bytes, text_start, without_utf16
+from caricli.io.files import column_separator, decode_text, read_bytes, text_start, without_utf16
 from caricli.io.npz import read_npz
 from caricli.io.parse_number import parse_number
 from caricli.io.strict_json import parse_json
@@ -85,7 +85,7 @@ def read_weights(path: str | Path, fps: float | None = None) -> Track:
 
 def _from_csv(text: str, fps: float | None) -> Track:
     lines = text.splitlines() or [""]
-    between = ";" if ";" in lines[0] and "," not in lines[0] else ","
+    between = column_separator(lines[0])
     header = [word.strip().strip('"') for word in lines[0].split(between)]
     columns = _columns(header, lines[0])
     has_head = any(name.lower() in columns for name in HEAD_ANGLES)
