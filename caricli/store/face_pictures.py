@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from caricli.errors import UsageError, naming, shown
+from caricli.io.files import read_start
 from caricli.io.image import is_image_file, read_image
 from caricli.io.landmarks import write_landmarks
 from caricli.store.pictures import load_found_marks
@@ -42,9 +43,10 @@ class FaceReader:
 
         path: of landmarks or of a picture. count: landmarks that the mesh has; those that are found beyond are left
         out. image: path of the picture of landmarks.
-        Raises InputError when the picture shows no face, or landmarks cannot be of such a picture, and UsageError when
-        there are two pictures.
+        Raises InputError when there is neither, the picture shows no face, or landmarks cannot be of such a picture, and
+        UsageError when there are two pictures.
         """
+        read_start(path, 1, "a picture or a landmark file")
         if not is_image_file(path):
             return FacePicture(*load_found_marks(path, count, image, self.pts_origin))
         if image is not None:

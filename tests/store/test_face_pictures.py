@@ -79,5 +79,7 @@ def test_failures_name_their_file(files, monkeypatch):
     monkeypatch.setattr(FaceReader, "see", see)
     with pytest.raises(InputError, match=r"photo\.png: expected a face, found none"):
         FaceReader().read(files[0], 81)
-    with pytest.raises(InputError, match="gone.png: .*found no such file"):
+    with pytest.raises(InputError, match="gone.png: expected a picture or a landmark file, found no such file"):
         FaceReader().read(files[0].with_name("gone.png"), 81)
+    with pytest.raises(InputError, match=": expected a picture or a landmark file, found a folder"):
+        FaceReader().read(files[0].parent, 81)
