@@ -19,10 +19,11 @@ Settings = TypeVar("Settings")
 # YAML 1.1 takes 1e-4 for text, which nobody means.
 _EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+", re.ASCII)
 # YAML 1.1 also takes 1_0 for ten, 010 for eight and 1:30 for ninety.
-_NUMBERS: dict[str, Callable[[str], float]] = {
-    "tag:yaml.org,2002:int": parse_whole,
-    "tag:yaml.org,2002:float": parse_number,
+_NUMBERS: dict[str, tuple[Callable[[str], float], str]] = {
+    "tag:yaml.org,2002:int": (parse_whole, "a plain decimal number of at most 18 digits"),
+    "tag:yaml.org,2002:float": (parse_number, "a plain decimal number that is finite"),
 }
+"""By YAML's tags how numbers are read, and what they must be."""
 
 
 def read_config(path: str | Path | None, cls: type[Settings], overrides: Sequence[str] = ()) -> Settings:
@@ -147,13 +148,14 @@ def _parse(text: str, name: str) -> Any:
 
 
 def _check_node(node: Any, name: str) -> None:
-    """Refuse keys that come twice and numbers in other than decimal digits."""
+    """Refuse keys that come twice and numbers in other than decimal digits. name: what messages call the node."""
     children = getattr(node, "value", None)
     if not isinstance(children, list):
         _check_scalar(node, name)
         return
     seen: set[str] = set()
     for child in children:
+        called = name
         if isinstance(child, tuple):
             key, child = child
             if not isinstance(key.value, str) or key.value == "<<":
@@ -161,17 +163,18 @@ def _check_node(node: Any, name: str) -> None:
             if key.value in seen:
                 raise InputError(f"{name}: expected distinct keys, found {shown(key.value, 60)!r} twice")
             seen.add(key.value)
-        _check_node(child, name)
+            called = f"{name}: {shown(key.value, 60)}"
+        _check_node(child, called)
 
 
 def _check_scalar(node: Any, name: str) -> None:
-    parse = _NUMBERS.get(getattr(node, "tag", ""))
+    parse, expected = _NUMBERS.get(getattr(node, "tag", ""), (None, ""))
     # What is not finite is refused with the name of its key.
     if parse is not None and not node.value.lower().endswith((".nan", ".inf")):
         try:
             parse(node.value)
         except ValueError:
-            raise InputError(f"{name}: expected a plain decimal number, found {shown(node.value, 60)!r}") from None
+            raise InputError(f"{name}: expected {expected}, found {shown(node.value, 60)!r}") from None
 
 
 def _convert(value: Any, hint: Any) -> Any:
