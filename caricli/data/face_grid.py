@@ -31,9 +31,11 @@ def face_grid(data: Dataset, rows: np.ndarray) -> FaceGrid:
     counts = np.zeros((len(people), len(expressions)), int)
     np.add.at(counts, (person.ravel(), expression), 1)
     if (counts != 1).any():
+        persons = len(np.unique(people[:, 0]))
         raise InputError(
-            f"expected everyone's every expression once, a full grid as `caricli dataset build` makes it without "
-            f"--count, found {(counts > 0).sum()} of {counts.size} faces of {len(people)} people"
+            "expected everyone's every expression once at every level, a full grid as `caricli dataset build` makes it "
+            f"without --count, found {(counts == 1).sum()} of {counts.size} faces once, of {persons} people at "
+            f"{len(people)} levels in all"
         )
     table = np.zeros_like(counts)
     table[person.ravel(), expression] = rows

@@ -43,8 +43,8 @@ class FaceReader:
 
         path: of landmarks or of a picture. count: landmarks that the mesh has; those that are found beyond are left
         out. image: path of the picture of landmarks.
-        Raises InputError when there is neither, the picture shows no face, or landmarks cannot be of such a picture, and
-        UsageError when there are two pictures.
+        Raises InputError when there is neither, the picture shows no face, or landmarks cannot be of such a picture,
+        and UsageError when there are two pictures.
         """
         read_start(path, 1, "a picture or a landmark file")
         if not is_image_file(path):

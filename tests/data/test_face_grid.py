@@ -24,3 +24,9 @@ def test_rows_stand_where_people_and_expressions_say():
 def test_a_table_that_is_not_full_is_refused(expressions):
     with pytest.raises(InputError, match="full grid"):
         face_grid(stand_in([1, 1, 2], [1, 1, 1], expressions), np.arange(3))
+
+
+def test_people_of_several_levels_are_counted_once():
+    data = stand_in([1, 1, 1, 1, 1, 2, 2], [1, 1, 2, 2, 2, 1, 1], [0, 5, 0, 5, 5, 0, 5])
+    with pytest.raises(InputError, match="found 5 of 6 faces once, of 2 people at 3 levels in all$"):
+        face_grid(data, np.arange(7))

@@ -16,7 +16,7 @@ from caricli.commands.shared.options import (
     overwrite_option,
     set_option,
 )
-from caricli.errors import UsageError, shown
+from caricli.errors import UsageError, naming, shown
 from caricli.io.config import read_config
 from caricli.io.image import write_png
 from caricli.io.outputs import staged_folder, write_bytes
@@ -84,7 +84,9 @@ def command(dataset, out, config, overrides, seeds, device, overwrite):
     ):
         data = read_dataset(dataset)
         recipe = provenance("evaluate ablation", [dataset / MANIFEST], settings.seed, config=asdict(settings))
-        meshes = ablation_meshes(data, network_points(data.template), settings, place)
+        points = network_points(data.template)
+        with naming(dataset):
+            meshes = ablation_meshes(data, points, settings, place)
         rows = evaluate_seeds(data.template, meshes, settings, seeds or (settings.seed,), report)
         _write(folder, rows, recipe | {"meshes": len(meshes.shapes), "unseen": len(meshes.unseen)})
     print_table(_COLUMNS, map(_cells, rows))

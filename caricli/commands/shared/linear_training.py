@@ -8,6 +8,7 @@ import click
 
 from caricli.commands.shared.notes import echo_result
 from caricli.commands.shared.options import config_option, data_option, out_option, overwrite_option, set_option
+from caricli.errors import naming
 from caricli.io.config import read_config
 from caricli.io.outputs import staged
 from caricli.io.provenance import provenance
@@ -53,7 +54,8 @@ def train_and_write(
         data = read_dataset(dataset)
         recipe = provenance(f"train {kind}", [dataset / MANIFEST], settings.seed, config=asdict(settings))
         recipe |= seen_people(data).as_recipe()
-        training = train_linear(kind, data, settings, recipe, report)
+        with naming(dataset):
+            training = train_linear(kind, data, settings, recipe, report)
         write_checkpoint(model_file, *training.checkpoint)
         write_json(report_file, recipe | training.figures)
     dimensions = len(training.model.prior.mean)

@@ -1,6 +1,7 @@
 """caricli train deformable: the SIREN hypernetwork."""
 
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,8 +15,13 @@ from caricli.commands.shared.options import (
     overwrite_option,
     set_option,
 )
+from caricli.errors import naming
 from caricli.io.config import read_config
 from caricli.io.provenance import provenance
+
+if TYPE_CHECKING:
+    from caricli.data.dataset import Dataset
+    from caricli.store.training_run import TrainingRun
 
 
 @click.command()
@@ -45,8 +51,7 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
       caricli train deformable --data dataset --out run --resume
       caricli train deformable --data dataset --out paper --config configs/deformable/paper.yaml --device cuda
     """
-    from caricli.commands.shared.progress import progress_bar, training_bar
-    from caricli.commands.shared.tables import shape_errors
+    from caricli.commands.shared.progress import training_bar
     from caricli.commands.shared.training import chosen_device, network_points
     from caricli.data.dataset import MANIFEST, read_dataset
     from caricli.data.unseen import seen_people
@@ -62,11 +67,20 @@ def command(dataset, out, config, overrides, resume, device, template, overwrite
         recipe = provenance("train deformable", [dataset / MANIFEST, template], config=asdict(settings))
         recipe |= seen_people(data).as_recipe()
         run = TrainingRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (dataset, template, config)))
-        training = train_deformable(data, network_points(data.template, template), settings, place, share)
+        points = network_points(data.template, template)
+        with naming(dataset):
+            training = train_deformable(data, points, settings, place, share)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training, data.template):
                 show(line)
         if run.writes:
-            with progress_bar("measuring") as progress:
-                errors = run.finish(data, progress)
-            echo_result(f"{out / MODEL}: {shape_errors(errors)}")
+            echo_result(f"{out / MODEL}: {_measured(run, data)}")
+
+
+def _measured(run: "TrainingRun", data: "Dataset") -> str:
+    """The errors of the model that a training ends in, as they are printed."""
+    from caricli.commands.shared.progress import progress_bar
+    from caricli.commands.shared.tables import shape_errors
+
+    with progress_bar("measuring") as progress:
+        return shape_errors(run.finish(data, progress))

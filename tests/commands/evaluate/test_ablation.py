@@ -94,7 +94,7 @@ def test_a_dataset_without_the_split_is_refused(refused, dataset, tmp_path, spli
     splits["validation"] = sorted({0, 1, 2, 3} - {*splits["train"], *splits["test"]})
     write_json(copy / "dataset.json", read_json(copy / "dataset.json") | {"splits": splits})
     said = refused("evaluate", "ablation", "--data", copy, "--out", tmp_path / "ablation", *TINY)
-    assert f"at least {count} meshes in the dataset's {split} split, found 0" in said
+    assert f"{copy}: expected at least {count} meshes in the dataset's {split} split, found 0" in said
 
 
 def test_cuda_is_refused_where_there_is_none(refused, dataset, tmp_path, monkeypatch):

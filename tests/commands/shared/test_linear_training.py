@@ -88,8 +88,9 @@ def test_too_few_training_meshes_are_refused(refused, dataset, tmp_path):
     copy = shutil.copytree(dataset, tmp_path / "copy")
     splits = {"train": [], "validation": [0, 1], "test": [2, 3]}
     write_json(copy / "dataset.json", read_json(copy / "dataset.json") | {"splits": splits})
-    said = refused("train", "pca", "--data", copy, "--out", tmp_path / "m.safetensors")
-    assert "expected at least 3 meshes in the dataset's train split, found 0" in said
+    for kind, out in (("pca", "m.safetensors"), ("deformable", "run")):
+        said = refused("train", kind, "--data", copy, "--out", tmp_path / out)
+        assert f"{copy}: expected at least 3 meshes in the dataset's train split, found 0" in said
 
 
 def test_five_models_are_bundled():
