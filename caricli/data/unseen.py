@@ -150,8 +150,8 @@ def unseen_data(data: Dataset, seen: Mapping[str, SeenPeople | None], everyone: 
     guilty = [name for name in seen if len(_strangers(data, "test", {name: seen[name]})) < len(people)]
     if people and not left:
         raise InputError(
-            f"expected test people whom {' and '.join(guilty)} were not trained with, found none among "
-            f"{len(people)}; build another dataset, with another --seed"
+            f"expected test people unseen in the training of {' and '.join(guilty)}, found none among {len(people)}; "
+            "build another dataset, with another --seed"
         )
     notes = (
         [f"test split: {left} of {len(people)} people, without those whom {', '.join(guilty)} saw"] if guilty else []

@@ -193,8 +193,10 @@ def test_people_of_the_training_split_can_be_tested_with_and_those_of_the_valida
 def test_nobody_left_is_refused_and_everybody_left_needs_no_word(eight):
     data = with_splits(eight, train=[0, 1], test=[2, 3])
     trained = seen_people(with_splits(eight, train=[2, 3]))
-    with pytest.raises(InputError, match="whom mine were not trained with, found none among 2; .*--seed"):
+    with pytest.raises(InputError, match="people unseen in the training of mine, found none among 2; .*--seed"):
         unseen_data(data, {"mine": trained})
+    with pytest.raises(InputError, match="expected test people unseen in the training of mine and yours, found none"):
+        unseen_data(data, {"mine": trained, "yours": trained})
     own = unseen_data(data, {"mine": seen_people(data)})
     assert own.note is None and own.test == own.of == 2 and own.data.manifest["splits"] == data.manifest["splits"]
     assert unseen_data(with_splits(eight, train=[0]), {"mine": trained}).note is None
