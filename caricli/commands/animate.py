@@ -122,11 +122,11 @@ def command(
     Where the names are the fifteen visemes (sil, PP, ... ou), or WEIGHTS are mouth cues of Rhubarb Lip Sync (JSON, TSV
     or XML, of its letters or of visemes), the face speaks: shapes run into each other, and lips close for p, b and m.
 
-    Names are bound by name, mouthSmile to both its sides; those that the rig lacks are listed. Weights are cut to 0 to
-    1, scaled, and cut again: mouthClose, which goes by the scale of jawOpen unless it has its own, to what jawOpen
-    opens, eyeSquint to what eyeBlink leaves open. The head turns about the origin of the face frame: positive yaw to
-    its own left, pitch down, roll to its right shoulder. A JSON beside the GLB (GLB's name), or the video (its name and
-    .json), says what was done; among the frames it is animation.json.
+    Names are bound by name, mouthSmile to both its sides, or the one there is; those that the rig lacks are listed.
+    Weights are cut to 0 to 1, scaled, and cut again: mouthClose, which goes by the scale of jawOpen unless it has its
+    own, to what jawOpen opens, eyeSquint to what eyeBlink leaves open. The head turns about the origin of the face
+    frame: positive yaw to its own left, pitch down, roll to its right shoulder. A JSON beside the GLB (GLB's name), or
+    the video (its name and .json), says what was done; among the frames it is animation.json.
 
     With --dynamic-texture the skin of a textured RIG is painted anew for every frame of --video, and of --frames as
     pictures. Best is an NPZ of `blendshapes`, which says what its picture shows and what its expressions are made of.

@@ -30,8 +30,8 @@ def bind_weights(track: Track, names: Sequence[str]) -> BoundWeights:
 
     A name binds to the same name, else to the one that differs in the case of the first letter alone, else to those
     that mean the same action of ARKit (``arkit_name``), both halves of it where the rig has halves. A name that ARKit
-    has with Left and Right alone, such as ``mouthSmile``, binds to both where the rig has both; a column of a side's
-    own name counts the more.
+    has with Left and Right alone, such as ``mouthSmile``, binds to both, or to the one that the rig has; a column of a
+    side's own name counts the more.
 
     names: the rig's (K,).
     Returns BoundWeights; what nothing drives stays 0.
@@ -56,16 +56,16 @@ def bind_weights(track: Track, names: Sequence[str]) -> BoundWeights:
 def _columns(theirs: Sequence[str], ours: Sequence[str]) -> tuple[dict[str, int], list[str]]:
     """Columns of a track by the rig's names, and names that the rig lacks."""
     columns: dict[str, int] = {}
-    of_both: dict[str, int] = {}
+    of_sides: dict[str, int] = {}
     unmatched = []
     for column, name in enumerate(theirs):
         targets = _targets(name, ours)
-        both = [] if targets else _both_sides(name, ours)
-        if not targets and not both:
+        sides = [] if targets else _sides(name, ours)
+        if not targets and not sides:
             unmatched.append(name)
         _bind(columns, targets, column)
-        _bind(of_both, both, column)
-    return of_both | columns, unmatched
+        _bind(of_sides, sides, column)
+    return of_sides | columns, unmatched
 
 
 def _bind(columns: dict[str, int], targets: Sequence[str], column: int) -> None:
@@ -87,8 +87,7 @@ def _targets(name: str, ours: Sequence[str]) -> list[str]:
     return [own for own in alike if not is_half(own)] or alike
 
 
-def _both_sides(name: str, ours: Sequence[str]) -> list[str]:
-    """The rig's names of the left and the right action that a name without a side stands for, or none."""
-    left, right = arkit_sides(name) or ("", "")
-    sides = [own for own in ours if arkit_name(own) in (left, right)]
-    return sides if len({arkit_name(own) for own in sides}) == 2 else []
+def _sides(name: str, ours: Sequence[str]) -> list[str]:
+    """The rig's names of the left and the right action that a name without a side stands for, as far as it has them."""
+    sides = arkit_sides(name) or ()
+    return [own for own in ours if arkit_name(own) in sides]

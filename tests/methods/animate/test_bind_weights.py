@@ -55,10 +55,22 @@ def test_names_that_mean_the_same_action_bind_and_halves_to_their_whole():
 def test_a_name_without_a_side_binds_to_both():
     given = track("mouthSmile", "eye_blink", "mouth", "cheekSquint", "mouthSmileRight")
     names = ("mouthSmile_R", "mouthSmileLeft", "eyeBlinkLeft", "eyeBlinkRight", "mouthLeft", "mouthRight")
-    bound = bind_weights(given, (*names, "cheekSquintLeft"))
+    bound = bind_weights(given, names)
     # What names its side counts the more, whatever stands first.
     np.testing.assert_array_equal(bound.weights.T[:4], given.weights.T[[4, 0, 1, 1]])
     assert bound.unmatched == ("mouth", "cheekSquint")
-    assert bound.undriven == ("mouthLeft", "mouthRight", "cheekSquintLeft")
+    assert bound.undriven == ("mouthLeft", "mouthRight")
     with pytest.raises(InputError, match="either spelling"):
         bind_weights(track("mouthSmile", "MouthSmile"), names)
+
+
+@pytest.mark.parametrize("side", ["cheekSquintLeft", "CheekSquint_R"])
+def test_a_name_without_a_side_binds_to_the_one_that_is_there(side):
+    given = track("mouthLeft", "cheekSquint")
+    bound = bind_weights(given, (side, "mouthLeft"))
+    np.testing.assert_array_equal(bound.weights, given.weights[:, [1, 0]])
+    assert bound.unmatched == bound.undriven == ()
+    # Left and right of a mouth undo each other: neither is meant.
+    assert bind_weights(track("mouth", "cheekSquint"), (side, "mouthLeft")).unmatched == ("mouth",)
+    own = bind_weights(track("cheekSquint", side), (side,))
+    assert own.weights.tolist() == [[0.1], [0.3]] and own.unmatched == ()
