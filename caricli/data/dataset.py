@@ -26,6 +26,11 @@ VALIDATION_SHARE = 0.01
 
 MANIFEST = "dataset.json"
 
+_KINDS = {MANIFEST: "a dataset"} | {
+    f"{kind}.json": f"a folder of `caricli dataset {kind}`" for kind in ("pictures", "sketches", "textures")
+}
+"""What folders of data are, by their manifests."""
+
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
@@ -102,6 +107,9 @@ def read_manifest(folder: Path, name: str, schema: str, kind: str) -> dict[str, 
     """
     where = folder / name
     if folder.is_dir() and not where.exists():
+        other = next((_KINDS[manifest] for manifest in _KINDS if (folder / manifest).exists()), None)
+        if other is not None:
+            raise InputError(f"{folder}: expected {kind}, found {other}")
         raise InputError(f"{folder}: no {name} in this folder: not {kind}, or its making was stopped")
     manifest = read_json(where)
     with naming(where):

@@ -28,6 +28,8 @@ def content_kind(data: bytes) -> str | None:
     Returns a phrase such as "an HTML page", or None when they may be plain text.
     """
     head = bytes(data[:4096])
+    if is_usd(head):
+        return "USD, which caricli writes and does not read"
     for signature, kind in _SIGNATURES:
         if head.startswith(signature):
             return kind
@@ -42,6 +44,14 @@ def content_kind(data: bytes) -> str | None:
 def text_start(data: bytes) -> bytes:
     """Bytes from the first that says something: without a byte-order mark and blanks before it."""
     return data.lstrip(b"\xef\xbb\xbf \t\r\n")
+
+
+def is_usd(data: bytes) -> bool:
+    """Whether bytes begin a file of USD: a layer, or a USDZ, which is a zip archive whose first file is one."""
+    if data.startswith((b"PXR-USDC", b"#usda ")):
+        return True
+    first = data[30 : 30 + int.from_bytes(data[26:28], "little")].lower()
+    return data.startswith(b"PK\x03\x04") and first.endswith((b".usd", b".usda", b".usdc"))
 
 
 def column_separator(header: str) -> str:

@@ -12,7 +12,7 @@ from typing import IO, Literal
 import numpy as np
 
 from caricli.errors import InputError, OutputError, naming, shown
-from caricli.io.files import content_kind, looks_like_pickle, read_bytes
+from caricli.io.files import content_kind, is_usd, looks_like_pickle, read_bytes
 from caricli.io.outputs import writing
 from caricli.limits import MAX_ARRAY_DIMENSIONS, MAX_NPZ_BYTES, MAX_NPZ_HEADER_BYTES, MAX_NPZ_MEMBERS
 
@@ -159,7 +159,7 @@ def _read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: str | 
 
 def _check_directory(data: bytes, path: str | Path) -> None:
     """Refuse a zip directory too large to list before zipfile lists it."""
-    if not data.startswith((b"PK\x03\x04", b"PK\x05\x06")):
+    if not data.startswith((b"PK\x03\x04", b"PK\x05\x06")) or is_usd(data):
         other = content_kind(data) or "another kind of file"
         raise InputError(f"{shown(path)}: expected an NPZ file, found {other}")
     end = data.rfind(b"PK\x05\x06")

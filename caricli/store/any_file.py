@@ -18,7 +18,7 @@ from caricli.errors import InputError, shown
 from caricli.io import directions, face, landmarks, parsing, rig, session
 from caricli.io.bundled import asset_path
 from caricli.io.checkpoint import read_checkpoint
-from caricli.io.files import content_kind, read_start, text_start, without_utf16
+from caricli.io.files import content_kind, is_usd, read_start, text_start, without_utf16
 from caricli.io.gltf.format import SUFFIXES
 from caricli.io.gltf.read_clips import read_clips
 from caricli.io.gltf.read_gltf import read_gltf, read_gltf_mesh
@@ -144,13 +144,15 @@ def _folder_reader(folder: Path) -> Callable[[Path], Any]:
             return read
     raise InputError(
         f"{shown(folder)}: expected a folder of a dataset, of pictures, sketches or textures, found none of "
-        f"{', '.join(_FOLDERS)} in it: its making was stopped, or it is another: give a file of it"
+        f"{', '.join(_FOLDERS)} in it: it is another, of which a single file can be given, or its making was stopped"
     )
 
 
 def _reader(start: bytes, path: Path) -> Callable[[Path], Any]:
     """The function that reads a file that begins so."""
     suffix = path.suffix.lower()
+    if is_usd(start):
+        raise InputError(f"{shown(path)}: expected a file that caricli reads, found {content_kind(start)}")
     if cues.is_cues(start):
         return cues.read_cues
     if is_svg(start):

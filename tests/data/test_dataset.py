@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from caricli.data import dataset, picture_set, sketch_set, texture_set
 from caricli.data.dataset import SPLITS, read_dataset, split_identities, split_names
 from caricli.errors import CaricliError, InputError
 from caricli.io.npz import read_npz, write_npz
@@ -54,6 +55,23 @@ def test_refuses_a_missing_manifest(copy_of_grid, tmp_path):
         read_dataset(copy_of_grid)
     with pytest.raises(InputError, match="none"):
         read_dataset(tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        (picture_set, "a folder of `caricli dataset pictures`"),
+        (sketch_set, "a folder of `caricli dataset sketches`"),
+        (texture_set, "a folder of `caricli dataset textures`"),
+    ],
+)
+def test_other_folders_are_told(tmp_path, other, said):
+    write_json(tmp_path / other.MANIFEST, {"schema": other.SCHEMA})
+    with pytest.raises(InputError, match=f"{tmp_path.name}: expected a dataset, found {said}$"):
+        read_dataset(tmp_path)
+    (tmp_path / other.MANIFEST).rename(tmp_path / dataset.MANIFEST)
+    with pytest.raises(InputError, match="expected a folder of pictures, found a dataset$"):
+        picture_set.read_picture_set(tmp_path)
 
 
 @pytest.mark.parametrize("name", ["shard-0000.npz", "labels.npz", "template.npz"])

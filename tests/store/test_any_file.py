@@ -1,3 +1,5 @@
+import zipfile
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -10,7 +12,7 @@ from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
 from caricli.io.landmarks import write_landmarks
 from caricli.io.meshes.mesh import write_mesh
-from caricli.io.npz import write_npz
+from caricli.io.npz import read_npz, write_npz
 from caricli.io.rig import write_rig
 from caricli.io.strict_json import write_json
 from caricli.models.landmark_map.model import LandmarkMap
@@ -111,6 +113,8 @@ def test_live_link(tmp_path):
         ("a.yaml", b"colour: 1\n", "a.yaml"),
         ("a.bin", bytes(64), "found binary data"),
         ("a.md", b"Dear reader\n", "found other text"),
+        ("a.usdc", b"PXR-USDC" + bytes(80), "found USD, which caricli writes and does not read"),
+        ("a.usda", b"#usda 1.0\n(\n)\n", "found USD, which caricli writes and does not read"),
         ("a.obj", b"v 0 0 nan\n", "a.obj"),
         ("a.glb", b"glTF" + bytes(8), "a.glb"),
         ("a.npz", b"PK\x03\x04", "truncated"),
@@ -135,10 +139,22 @@ def test_other_arrays_folders_and_nothing_are_refused(tmp_path):
     write_npz(tmp_path / "a.npz", {"colour": np.zeros(3)})
     with pytest.raises(InputError, match="found an NPZ with colour"):
         load_any(tmp_path / "a.npz")
-    with pytest.raises(InputError, match="found none of dataset.json, pictures.json, sketches.json, textures.json in"):
+    none = "found none of dataset.json, pictures.json, sketches.json, textures.json in it: "
+    with pytest.raises(InputError, match=f"{none}it is another, of which a single file can be given, or its making"):
         load_any(tmp_path)
     with pytest.raises(InputError, match="found no such file"):
         load_any(tmp_path / "none")
+
+
+def test_usd_is_told_from_arrays(tmp_path):
+    path = tmp_path / "head.usdz"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("head.usdc", b"PXR-USDC" + bytes(80))
+        archive.writestr("SKIN.png", b"\x89PNG")
+    with pytest.raises(InputError, match="usdz: expected a file that caricli reads, found USD, which caricli writes"):
+        load_any(path)
+    with pytest.raises(InputError, match="usdz: expected an NPZ file, found USD, which caricli writes and does not"):
+        read_npz(path)
 
 
 def test_what_lies_beside_a_file(small, tmp_path):
