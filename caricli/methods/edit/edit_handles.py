@@ -153,8 +153,7 @@ def _crossing(face: Face) -> np.ndarray:
 
 def _around(face: Face, triangles: np.ndarray) -> np.ndarray:
     """(F,) bool, those triangles and their neighbours."""
-    beside: np.ndarray = np.isin(face.faces, face.faces[triangles]).any(1)
-    return beside
+    return np.asarray(np.isin(face.faces, face.faces[triangles]).any(1))
 
 
 class _Solver:
