@@ -10,7 +10,7 @@ import numpy as np
 from caricli.errors import InputError, naming
 from caricli.io.bundled import asset_path
 from caricli.io.strict_json import found_value, read_json, take
-from caricli.structures.landmarks import COUNT, EXTRA, JAW
+from caricli.structures.landmarks import COUNT, EXTRA, GROUPS, JAW
 from caricli.structures.parts import Hold
 
 CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
@@ -72,7 +72,8 @@ def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
     value: dict of the form of ``assets/head_annotation.json``; only ``ibug68`` is required. ``extra13``, ``jaw_paths``
     (17 lists of vertex ids, back to front), ``curves``, ``closed_curves`` (names of those that end where they begin),
     ``regions``, ``mirror``, ``eyeballs`` and ``parts`` (objects with ``file`` and ``hangs_on`` by name) may be absent;
-    a curve or region without vertices is as good as absent.
+    a curve or region without vertices is as good as absent. A vertex may be several landmarks of one of GROUPS, as on
+    the closed lips of a coarse mesh, but at least half of a group's landmarks are vertices of their own.
     vertex_count: V. where: the file's name, for messages.
     Returns Annotation. Raises InputError.
     """
@@ -85,19 +86,22 @@ def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
 
 def _annotation(value: dict, vertex_count: int) -> Annotation:
     def ids(key: str, item: Any, count: int | None = None) -> np.ndarray:
-        array = np.asarray(item if isinstance(item, list) else None, dtype=object)
-        if array.ndim != 1 or not all(type(i) is int and 0 <= i < vertex_count for i in array):
-            expected = f"a list of vertex ids from 0 to {vertex_count - 1}"
-            raise InputError(f"{key}: expected {expected}, found {found_value(item)}")
-        if count is not None and len(array) != count:
-            raise InputError(f"{key}: expected {count} vertex ids, found {len(array)}")
-        return array.astype(np.int64)
+        expected = f"{key}: expected a list of vertex ids from 0 to {vertex_count - 1}"
+        if not isinstance(item, list):
+            raise InputError(f"{expected}, found {found_value(item)}")
+        for place, number in enumerate(item):
+            if type(number) is not int or not 0 <= number < vertex_count:
+                raise InputError(f"{expected}, found {found_value(number)} at {key}[{place}]")
+        if count is not None and len(item) != count:
+            raise InputError(f"{key}: expected {count} vertex ids, found {len(item)}")
+        return np.array(item, np.int64)
 
     def table(key: str) -> dict[str, np.ndarray]:
         named = {name: ids(f"{key}.{name}", item) for name, item in take(value, key, dict, {}).items()}
         return {name: array for name, array in named.items() if len(array)}
 
     landmarks = ids("ibug68", value.get("ibug68"), COUNT)
+    _check_own_vertices(landmarks)
     if "extra13" in value:
         landmarks = np.concatenate([landmarks, ids("extra13", value["extra13"], len(EXTRA))])
     jaw_paths = _jaw_paths(value, landmarks[JAW], ids)
@@ -112,6 +116,22 @@ def _annotation(value: dict, vertex_count: int) -> Annotation:
     eyeballs = take(value, "eyeballs", dict, {})
     take(value, "closed_curves", list, [])
     return Annotation(landmarks, jaw_paths, table("curves"), regions, mirror, eyeballs, value, holds)
+
+
+def _check_own_vertices(landmarks: np.ndarray) -> None:
+    """Raise InputError where landmarks (68,) of two groups share a vertex, or those of one have too few."""
+    groups: dict[int, str] = {}
+    for group, numbers in GROUPS.items():
+        if numbers.start >= COUNT:
+            break
+        vertices = set(landmarks[numbers].tolist())
+        least = (len(numbers) + 1) // 2
+        if len(vertices) < least:
+            raise InputError(f"ibug68: expected at least {least} vertices for {group}, found {len(vertices)}")
+        for vertex in vertices:
+            other = groups.setdefault(vertex, group)
+            if other != group:
+                raise InputError(f"ibug68: expected other vertices for {group} than {other}, found {vertex} in both")
 
 
 def _hold(part: Any, regions: dict[str, np.ndarray]) -> Hold:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.optimize import linear_sum_assignment
 
 from caricli.data import build_dataset as building
 from caricli.data.build_dataset import build_dataset
@@ -52,7 +53,7 @@ def grid(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def barrel():
+def barrel(head_template):
     """A coarse closed mesh with quads at its side, triangles at its ends and a UV seam; template included."""
     rows, columns = 6, 10
     turn = 2 * np.pi * np.arange(columns) / columns
@@ -81,7 +82,11 @@ def barrel():
     uv_top = np.stack([ring + (rows - 1) * wide, ring + 1 + (rows - 1) * wide], -1)
     uv_top = np.c_[uv_top, np.full(columns, rows * wide + 1), none]
     uv_polygons = np.vstack([uv_quads, uv_bottom, uv_top]).astype(np.int32)
-    annotation = {"ibug68": [k % len(vertices) for k in range(68)]}
+    # Landmarks about where a face has them; the inner lips, for which no vertices are left, are the outer ones.
+    wanted = head_template.vertices[head_template.annotation.landmarks[:60]]
+    wanted = (wanted - wanted.mean(0)) / np.ptp(wanted, axis=0) * [0.14, 0.2, 0.12]
+    outer = linear_sum_assignment(((wanted[:, None] - vertices) ** 2).sum(-1))[1].tolist()
+    annotation = {"ibug68": outer + [outer[k] for k in (48, 50, 51, 52, 54, 56, 57, 58)]}
     parsed = parse_annotation(annotation, len(vertices), "barrel")
     template = Template(vertices, polygons, uvs, uv_polygons, annotation=parsed)
     return SimpleNamespace(template=template, annotation=annotation, mesh=Mesh(vertices, polygons, uvs, uv_polygons))

@@ -64,8 +64,30 @@ def test_anchors_are_landmarks_and_paths_without_repeats():
     assert anchors.tolist() == sorted({*range(68), *range(100, 113), *range(120, 137), 150})
 
 
-def test_vertices_may_be_used_twice():
-    assert len(parse_annotation(good(ibug68=[3] * 68, jaw_paths=[[3]] * 17), COUNT, "a.json").landmarks) == 81
+def test_vertices_may_be_used_twice_in_one_part_of_the_face():
+    closed = [*range(60), 48, 60, 61, 62, 54, 62, 61, 60]
+    assert parse_annotation(good(ibug68=closed), COUNT, "a.json").landmarks[:68].tolist() == closed
+
+
+@pytest.mark.parametrize(
+    ("ids", "message"),
+    [
+        ([3] * 68, "expected at least 9 vertices for jaw, found 1"),
+        ([*range(36), *[36] * 6, *range(42, 68)], "expected at least 3 vertices for eye_right, found 1"),
+        ([*range(42), 39, *range(43, 68)], "expected other vertices for eye_left than eye_right, found 39 in both"),
+        ([*range(67), 8], "expected other vertices for mouth than jaw, found 8 in both"),
+    ],
+)
+def test_landmarks_that_no_face_can_have_are_refused(ids, message):
+    with pytest.raises(InputError, match=f"^a.json: ibug68: {message}"):
+        parse_annotation(good(ibug68=ids), COUNT, "a.json")
+
+
+def test_the_wrong_one_of_many_ids_is_shown():
+    ids = [*range(67), COUNT]
+    for change, key in (({"ibug68": ids}, "ibug68"), ({"regions": {"face": ids}}, "regions.face")):
+        with pytest.raises(InputError, match=rf"from 0 to 199, found 200 at {key}\[67\]$"):
+            parse_annotation(good(**change), COUNT, "a.json")
 
 
 def test_ids_up_to_the_last_vertex_are_taken():
