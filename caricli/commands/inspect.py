@@ -16,8 +16,9 @@ def command(path, as_json):
     session, a report, a label map's legend, a folder of a dataset, of pictures, sketches or textures, or a file of
     it), or anybody's OBJ, PLY, STL, GLB or glTF. Said are counts, sizes and what
     unit they may be in, whether the topology is that of the bundled models, names, and what lies beside it. A mesh
-    is whole where no triangle is turned over or without area, no vertex is unused, and triangles side by side are
-    wound alike. Of rigs every shape is looked at, and compared with the names that ARKit's face tracking drives.
+    is whole where no triangle is turned over or without area, no vertex is unused, triangles side by side are wound
+    alike, and the surface is not inside out. Of rigs every shape is looked at, and compared with the names that
+    ARKit's face tracking drives.
 
     \b
     Example:

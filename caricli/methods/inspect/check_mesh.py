@@ -7,10 +7,14 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from caricli.geometry.deformation.deformation_gradients import DeformationGradients
+from caricli.geometry.facing_out import facing_out
 from caricli.geometry.repair.flat_triangles import flat_triangles
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
 from caricli.methods.inspect.size_hint import size_hint
 from caricli.structures import Mesh
+
+_CLEARLY = 0.5
+"""How far a surface faces inwards that is inside out; heads, masks and halves of heads face outwards by 0.6 to 1."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,7 @@ class MeshCheck:
     degenerate: triangles without area.
     crowded: edges of more than two triangles.
     misoriented: edges whose two triangles are wound against each other.
+    inside_out: whether nearly all of it faces inwards.
     flipped: triangles turned over against the head of the same topology, or None where there is none.
     """
 
@@ -41,6 +46,7 @@ class MeshCheck:
     degenerate: int
     crowded: int
     misoriented: int
+    inside_out: bool
     flipped: int | None
 
     @property
@@ -53,7 +59,8 @@ class MeshCheck:
             "edges whose triangles are wound against each other": self.misoriented,
             "triangles turned over": self.flipped or 0,
         }
-        return [f"{count} {words}" for words, count in counts.items() if count]
+        problems = [f"{count} {words}" for words, count in counts.items() if count]
+        return [*problems, *(["a surface inside out"] if self.inside_out else [])]
 
 
 def check_mesh(mesh: Mesh, head: Mesh | None = None) -> MeshCheck:
@@ -81,6 +88,7 @@ def check_mesh(mesh: Mesh, head: Mesh | None = None) -> MeshCheck:
         degenerate=int(flat_triangles(vertices, faces).sum()),
         crowded=int((sharing > 2).sum()),
         misoriented=int(((sharing == 2) & (forwards != 1)).sum()),
+        inside_out=facing_out(vertices, faces, vertices[used].mean(0)) < -_CLEARLY,
         flipped=_flipped(vertices, head) if same and head is not None else None,
     )
 

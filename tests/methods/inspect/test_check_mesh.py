@@ -36,6 +36,14 @@ def test_every_damage_is_counted(small):
     assert opened.open_edges == 3 and opened.problems == []
 
 
+def test_a_surface_inside_out_is_seen_closed_or_open(small):
+    for faces in (small.faces, small.faces[(small.vertices[small.faces][..., 2] > 0).all(1)]):
+        inwards = Mesh(small.vertices, faces[:, ::-1])
+        assert "a surface inside out" in check_mesh(inwards).problems
+        assert not check_mesh(Mesh(small.vertices, faces)).inside_out
+    assert check_mesh(small.with_vertices(small.vertices * [-1, 1, 1])).problems == ["a surface inside out"]
+
+
 def test_parts_are_counted(small):
     twice = Mesh(np.vstack([small.vertices, small.vertices + 1]), np.vstack([small.faces, small.faces + 300]))
     assert check_mesh(twice).components == 2
