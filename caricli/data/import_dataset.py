@@ -14,6 +14,7 @@ from caricli.data.units import UNITS, measured_unit
 from caricli.data.write_dataset import SHARD_SIZE, DatasetWriter
 from caricli.errors import InputError, naming, shown
 from caricli.geometry.repair.flipped_triangles import flipped_triangles
+from caricli.geometry.uvs_beyond import uvs_beyond
 from caricli.io.files import is_utf8
 from caricli.io.meshes.mesh import is_mesh_file, mesh_files, read_mesh
 from caricli.io.npz import npz_holds
@@ -101,7 +102,7 @@ def import_dataset(
     manifest |= {"flipped": float(flipped), "splits": splits}
     writer.finish(manifest, {"attributes": labels.names, "measures": labels.values, "labels": labels.values > 0})
     height = float(np.median(heights)) * UNITS[unit]
-    notes = (*_left_out(mesh_folder, files), *labels.notes)
+    notes = (*_left_out(mesh_folder, files), *_uv_notes(mesh_folder, template), *labels.notes)
     return ImportSummary(len(files), len(people), len(labels.expressions), unit, height, notes)
 
 
@@ -136,6 +137,14 @@ def _left_out(folder: Path, files: Sequence[Path]) -> list[str]:
     took = f"{folder}: took {len(files)} {files[0].suffix.lower()} files, left out"
     left = {"of other formats": others, "in sub-folders": nested}
     return [f"{took} {count} meshes {where}" for where, count in left.items() if count]
+
+
+def _uv_notes(folder: Path, mesh: Mesh) -> list[str]:
+    """A line about UVs beyond their picture, such as those of several tiles."""
+    beyond = None if mesh.uvs is None else uvs_beyond(mesh.uvs)
+    if beyond is None:
+        return []
+    return [f"{folder}: UVs {beyond}: texture refuses those beyond 0 to 1, but with --project-uv"]
 
 
 def _read_meshes(files: Sequence[Path], progress: Callable[[int, int], None]) -> tuple[Mesh, np.ndarray]:

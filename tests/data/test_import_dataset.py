@@ -97,6 +97,15 @@ def test_meshes_too_large_for_one_file_are_written_into_several(barrels, out, mo
     np.testing.assert_allclose(data.vertices, shapes, atol=1e-8)
 
 
+def test_uvs_beyond_their_picture_are_told(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    mesh = barrel.mesh
+    for number, shape in enumerate(shapes):
+        write_obj(folder / f"scan_{number:02d}.obj", Mesh(shape, mesh.polygons, mesh.uvs + [3, 0], mesh.uv_polygons))
+    (note,) = import_dataset(folder, out, annotation).notes
+    assert note == f"{folder}: UVs from 0 to 4: texture refuses those beyond 0 to 1, but with --project-uv"
+
+
 def test_without_labels_every_mesh_is_a_person_of_one_split(barrels, out):
     import_dataset(*barrels[:1], out, barrels[2])
     data = read_dataset(out)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from caricli.errors import InputError
+from caricli.geometry.uvs_beyond import uvs_beyond
 from caricli.methods.detect.cut_openings import cut_openings
 from caricli.methods.hair.bare_skin import bare_skin
 from caricli.methods.hair.dress_hair import DressedHair, dress_hair, hair_picture
@@ -37,8 +38,6 @@ from caricli.render.pixels.diffuse_background import diffuse_background
 from caricli.render.sky import mesh_sky
 from caricli.structures import Face, Pictures, Rig
 from caricli.template.template import Template
-
-_BESIDE = 1e-3  # of a texture: so far beyond its border UVs may be
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,9 +237,9 @@ def _laid_out(head: Template, picture: HeadPicture, settings: PaintSettings) -> 
 
 def _check_uvs(uvs: np.ndarray) -> None:
     """Raise InputError for UVs (T, 2) beyond the texture."""
-    least, most = uvs.min(), uvs.max()
-    if least < -_BESIDE or most > 1 + _BESIDE:
-        raise InputError(f"expected a mesh whose UVs are from 0 to 1, found them from {least:.3g} to {most:.3g}")
+    beyond = uvs_beyond(uvs)
+    if beyond is not None:
+        raise InputError(f"expected a mesh whose UVs are from 0 to 1, found them {beyond}")
 
 
 def _skin_texture(head: Template, ground: _Groundwork, settings: PaintSettings) -> FaceTexture:
