@@ -1,5 +1,6 @@
 """Anyone's registered meshes as a dataset."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -65,7 +66,7 @@ def import_dataset(
 ) -> ImportSummary:
     """Write the meshes of a folder (``mesh_files``), in the order of their names, into an empty dataset folder.
 
-    mesh_folder: holds files of one topology, +y up, +z front. annotation_path: JSON for ``parse_annotation``;
+    mesh_folder: holds files of one topology, +y up, +z front, no STL. annotation_path: JSON for ``parse_annotation``;
     parts that it names fit the first mesh.
     labels_path: CSV with a column ``file``, maybe ``identity``, ``expression`` and ``level``, and numeric label
     columns; without one the names of the files say these (``read_mesh_name``). settings: ImportSettings.
@@ -107,14 +108,19 @@ def import_dataset(
 
 
 def _files(folder: Path) -> list[Path]:
-    """The meshes of a folder, at least two, whose names are UTF-8."""
+    """The meshes of a folder, at least two, whose names are UTF-8 and whose vertices have numbers."""
     files = mesh_files(folder)
     if len(files) < 2:
         nested = _nested(folder)
         beneath = f", and {nested} in sub-folders, which are not entered" if nested else ""
-        raise InputError(
-            f"{shown(folder)}: expected at least two OBJ files or other meshes, found {len(files)}{beneath}"
-        )
+        counts = Counter(path.suffix.lower() for path in folder.iterdir() if is_mesh_file(path))
+        given = " and ".join(f"{count} {suffix}" for suffix, count in sorted(counts.items())) or "0"
+        expected = "at least two OBJ files, or other meshes of one format and no OBJ"
+        raise InputError(f"{shown(folder)}: expected {expected}, found {given}{beneath}")
+    if files[0].suffix.lower() == ".stl":
+        # Its corners are numbered anew by where they are, so that the numbers of an annotation mean others.
+        expected = "OBJ, PLY, GLB or glTF files, which number their vertices as the annotation does"
+        raise InputError(f"{shown(folder)}: expected {expected}, found STL")
     for path in files:
         if not is_utf8(path.name):
             raise InputError(f"{shown(path)}: expected a name in UTF-8, found another")

@@ -97,6 +97,26 @@ def test_meshes_too_large_for_one_file_are_written_into_several(barrels, out, mo
     np.testing.assert_allclose(data.vertices, shapes, atol=1e-8)
 
 
+def test_what_lies_in_a_folder_with_too_few_meshes_of_one_format_is_told(barrels, out):
+    folder, _, annotation = barrels
+    others = sorted(folder.iterdir())[1:]
+    for path in others:
+        write_mesh(path.with_suffix(".ply"), read_obj(path))
+        path.unlink()
+    said = "scans: expected at least two OBJ files, or other meshes of one format and no OBJ, found 1 .obj and 11 .ply"
+    with pytest.raises(InputError, match=f"{said}$"):
+        import_dataset(folder, out, annotation)
+
+
+def test_stl_whose_vertices_an_annotation_cannot_mean_is_refused(barrels, out):
+    folder, _, annotation = barrels
+    for path in list(folder.iterdir()):
+        write_mesh(path.with_suffix(".stl"), read_obj(path))
+        path.unlink()
+    with pytest.raises(InputError, match="scans: expected OBJ, PLY, GLB or glTF files, .*, found STL$"):
+        import_dataset(folder, out, annotation)
+
+
 def test_uvs_beyond_their_picture_are_told(barrel, barrels, out):
     folder, shapes, annotation = barrels
     mesh = barrel.mesh

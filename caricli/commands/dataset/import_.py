@@ -28,14 +28,15 @@ from caricli.io.outputs import staged_folder
 @seed_option
 @overwrite_option
 def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
-    """Import a folder of meshes that share one topology: OBJ files, or else PLY, STL, GLB or glTF.
+    """Import a folder of meshes that share one topology: OBJ files, or else PLY, GLB or glTF.
 
     Vertex count, quads and UV seams are free, and the order of vertices is kept. The first file by name gives faces,
     and the first that has UVs gives these; the template is the mean shape. Whom a file shows, with which expression and
     how exaggerated (level 1 is not), is in the table, or else in its name, such as anna__jawOpen__2.obj,
     anna__jawOpen.obj, anna.obj. The unit is told by how high the heads are; the dataset is in metres. Names and seed
     say who is trained with and who tests, so that most stay where they were when others come in. A mesh that is far
-    from the size, the place or the direction of the others is refused, and so is one that two people have.
+    from the size, the place or the direction of the others is refused, and so is one that two people have, and
+    STL, whose vertices have no numbers that an annotation could mean.
 
     \b
     Example:
