@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from caricli.data.alike import check_alike, check_own
+from caricli.data.check_head import check_head
 from caricli.data.dataset import split_names
 from caricli.data.labels import read_labels
 from caricli.data.units import UNITS, measured_unit
@@ -25,9 +26,6 @@ from caricli.structures import Mesh
 from caricli.template.annotation import parse_annotation
 from caricli.template.own_parts import read_own_parts
 from caricli.template.template import Template
-
-BESIDE = 0.01
-"""Of the head's height: how far from x = 0 the plane between the sides of a head may be that has a mirror map."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +81,7 @@ def import_dataset(
     annotation = parse_annotation(read_json(annotation_path), len(first.vertices), str(annotation_path))
     mean = shapes.mean(0, dtype=float)
     template = Template(mean, first.polygons, first.uvs, first.uv_polygons, annotation=annotation)
-    with naming(annotation_path):
-        _check_mirror(template)
+    check_head(template, mesh_folder, annotation_path)
     parts = read_own_parts(template, annotation_path, np.asarray(first.vertices, float) * UNITS[unit], UNITS[unit])
     template = replace(template, parts=parts)
     with naming(labels_path or mesh_folder):
@@ -169,15 +166,6 @@ def _read_meshes(files: Sequence[Path], progress: Callable[[int, int], None]) ->
             first = replace(first, uvs=mesh.uvs, uv_polygons=mesh.uv_polygons)
         progress(number + 1, len(files))
     return first, shapes
-
-
-def _check_mirror(template: Template) -> None:
-    """Raise InputError where the mirror map is not that of x = 0, from which mirror images are made."""
-    mirror = template.annotation.mirror
-    if mirror is not None:
-        beside = float(np.median(template.vertices[:, 0] + template.vertices[mirror, 0])) / 2
-        if abs(beside) > BESIDE * template.height:
-            raise InputError(f"mirror: expected meshes whose sides meet at x = 0, found them to meet at {beside:.3g} m")
 
 
 def _mesh_like(path: Path, first: Mesh, name: str) -> Mesh:

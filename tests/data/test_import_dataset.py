@@ -117,6 +117,21 @@ def test_stl_whose_vertices_an_annotation_cannot_mean_is_refused(barrels, out):
         import_dataset(folder, out, annotation)
 
 
+def test_meshes_that_stand_otherwise_or_are_inside_out_are_refused(barrel, barrels, out):
+    folder, shapes, annotation = barrels
+    outwards = barrel.mesh.faces
+    by_landmarks = f"scans, by the landmarks of {annotation}: expected a head that looks .*"
+    for vertices, faces, said in (
+        (shapes[..., [0, 2, 1]] * [1, -1, 1], outwards, f"{by_landmarks}, found one turned by"),
+        (shapes * [-1, 1, 1], outwards, f"{by_landmarks}, found its mirror image"),
+        (shapes, outwards[:, ::-1], "scans: expected faces .*, found the heads inside out"),
+    ):
+        for number, shape in enumerate(vertices):
+            write_obj(folder / f"scan_{number:02d}.obj", Mesh(shape, faces))
+        with pytest.raises(InputError, match=said):
+            import_dataset(folder, out, annotation)
+
+
 def test_uvs_beyond_their_picture_are_told(barrel, barrels, out):
     folder, shapes, annotation = barrels
     mesh = barrel.mesh

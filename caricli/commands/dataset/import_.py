@@ -35,8 +35,9 @@ def command(obj_dir, out, annotation, labels, unit, seed, overwrite):
     how exaggerated (level 1 is not), is in the table, or else in its name, such as anna__jawOpen__2.obj,
     anna__jawOpen.obj, anna.obj. The unit is told by how high the heads are; the dataset is in metres. Names and seed
     say who is trained with and who tests, so that most stay where they were when others come in. A mesh that is far
-    from the size, the place or the direction of the others is refused, and so is one that two people have, and
-    STL, whose vertices have no numbers that an annotation could mean.
+    from the size, the place or the direction of the others is refused, and so is one that two people have. Refused
+    are also heads whose mean, by its landmarks, lies, looks aside or is mirrored, heads inside out, and STL, whose
+    vertices have no numbers that an annotation could mean.
 
     \b
     Example:
