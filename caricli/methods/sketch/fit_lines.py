@@ -32,6 +32,10 @@ Lines = Mapping[str, Sequence[np.ndarray]]
 """Lines (N, 2), pixels, by the names of the curves that they draw."""
 
 
+class TooFewLines(InputError):
+    """Lines that are not enough to tell a face."""
+
+
 @threadpool_limits.wrap(limits=1)
 def fit_lines(
     lines: Lines,
@@ -47,7 +51,7 @@ def fit_lines(
 
     lines: by the names of curves. handles: LineHandles of the model's template. model: any ShapeModel.
     settings: LineFitSettings.
-    Returns the Face with latent and camera. Raises InputError where the lines tell too little, NumericsError.
+    Returns the Face with latent and camera. Raises TooFewLines, InputError where they lead nowhere, NumericsError.
     """
     whitened = np.zeros(len(model.prior.mean))
     camera = line_camera(lines, handles, model.decode_points(model.prior.mean, handles.vertices), settings)
@@ -76,7 +80,7 @@ def line_camera(
     """The camera that sees handles on their lines, as nearly from the front as these allow; see ``fit_lines``.
 
     points: (H, 3) metres, of the handles. start: Camera to begin with, or None for one from the front, so large that
-    the boxes of lines and curves agree. Raises InputError where the lines tell too little.
+    the boxes of lines and curves agree. Raises TooFewLines, and InputError where they lead nowhere.
     """
     camera = _front(lines, handles, points) if start is None else start
     none = np.zeros((len(points), 3, 0))
@@ -89,10 +93,10 @@ def line_camera(
 
 
 def _places(lines: Lines, handles: LineHandles, camera: Camera, points: np.ndarray) -> np.ndarray:
-    """(H, 2) pixels on lines of handles (H, 3), NaN where nothing was drawn. Raises InputError where too few are."""
+    """(H, 2) pixels on lines of handles (H, 3), NaN where nothing was drawn. Raises TooFewLines where too few are."""
     places = handles.places(lines, camera.project(points))
     if np.isfinite(places).all(axis=1).sum() < FEWEST:
-        raise InputError(f"expected lines of the curves of a face, found {_told(lines)}")
+        raise TooFewLines(f"expected lines of the curves of a face, found {_told(lines)}")
     return places
 
 
@@ -117,7 +121,7 @@ def _normal_equations(
 
 def _stepped(camera: Camera, step: np.ndarray) -> Camera:
     """``moved_camera``. Raises InputError for a step that leads nowhere."""
-    if not np.abs(step[: CAMERA - 2]).max() <= _LARGEST:  # nor is it a number where the lines meet in a point
+    if np.abs(step[: CAMERA - 2]).max() > _LARGEST:
         raise InputError("expected lines that a face could show, found none that have lines like these")
     return moved_camera(camera, step)
 
@@ -130,12 +134,12 @@ def _front(lines: Lines, handles: LineHandles, points: np.ndarray) -> Camera:
     whole = [name for name in lines if name in handles.rows and name.startswith(CORNERED)]
     names = whole if len(whole) >= _ENOUGH else [name for name in lines if name in handles.rows]
     if not names:
-        raise InputError(f"expected lines of the curves of a face, found {_told(lines)}")
+        raise TooFewLines(f"expected lines of the curves of a face, found {_told(lines)}")
     flat = points[np.concatenate([handles.rows[name] for name in names])] @ FRONT[:2].T
     drawn = np.concatenate([line for name in names for line in lines[name]])
     extent = np.linalg.norm(np.ptp(drawn, axis=0))
     if extent < _DOT:
-        raise InputError("expected lines of the curves of a face, found a dot")
+        raise TooFewLines("expected lines of the curves of a face, found a dot")
     scale = extent / np.linalg.norm(np.ptp(flat, axis=0))
     middles = [(values.min(0) + values.max(0)) / 2 for values in (drawn, flat)]
     return Camera(float(scale), FRONT, middles[0] - scale * middles[1])

@@ -15,7 +15,7 @@ from caricli.geometry.repair.untangle import untangle
 from caricli.limits import MAX_SKETCH_POINTS
 from caricli.methods.faces.encode_face import encode_face
 from caricli.methods.faces.encode_landmarks import LandmarkEncoder
-from caricli.methods.sketch.fit_lines import Lines
+from caricli.methods.sketch.fit_lines import Lines, TooFewLines
 from caricli.methods.sketch.follow_lines import LineFollower
 from caricli.methods.sketch.line_handles import LineHandles, lines_by_curve
 from caricli.methods.sketch.model_coarse import CoarseFace, model_coarse
@@ -147,12 +147,14 @@ def _contradicting(sketch: Sketch, fit: SketchFit) -> str | None:
 
 
 def _without(named: Sketch, curve: str, sketch: Sketch) -> Sketch:
-    """A named sketch whose strokes of a curve are left, of the kinds that they had in the sketch without names."""
-    kinds = {point.tobytes(): stroke.kind for stroke in sketch.strokes for point in stroke.points}
+    """A named sketch whose strokes of a curve are left, each of the kind of the stroke of the sketch without names that
+    it has most points in common with, of several the one of fewest points; of unknown kind where it has none."""
+    drawn = [({point.tobytes() for point in stroke.points}, stroke.kind) for stroke in sketch.strokes]
 
     def left(stroke: Stroke) -> Stroke:
-        drawn = (kinds[point] for point in map(np.ndarray.tobytes, stroke.points) if point in kinds)
-        return replace(stroke, curve=None, kind=next(drawn, StrokeKind.UNKNOWN))
+        own = {point.tobytes() for point in stroke.points}
+        points, kind = max(drawn, key=lambda each: (len(own & each[0]), -len(each[0])))
+        return replace(stroke, curve=None, kind=kind if own & points else StrokeKind.UNKNOWN)
 
     return named.with_strokes(left(stroke) if stroke.curve == curve else stroke for stroke in named.strokes)
 
@@ -213,7 +215,7 @@ class SketchReconstruction:
             named = _without(named, curve, sketch)
             try:
                 fit = replace(self._fit(sketch, named, share), left=(*fit.left, curve))
-            except InputError:  # too few are left: those that contradict each other show a face, at least
+            except TooFewLines:  # those that contradict each other show a face, at least
                 break
         return fit
 

@@ -28,6 +28,12 @@ def reconstruction(model, coarse):
     return SketchReconstruction(model, coarse)
 
 
+@pytest.fixture(scope="module")
+def own():
+    """As the page reconstructs."""
+    return SessionTools().reconstruction
+
+
 def test_lines_are_followed_and_what_the_latent_cannot_say_is_kept(reconstruction, model, sketch):
     fit = reconstruction.reconstruct(sketch)
     assert fit.errors["all"] < 0.1 < 2 * fit.coarse["all"]
@@ -126,6 +132,14 @@ def test_scribble_is_refused(reconstruction):
         reconstruction.reconstruct(Sketch(tuple(map(Stroke, walks))))
 
 
+def test_scribble_is_refused_when_what_contradicts_it_is_left(own):
+    generator = np.random.default_rng(24)
+    count = generator.integers(8, 20)
+    walks = [generator.normal(0, 8, (30, 2)).cumsum(0) + generator.uniform(60, 200, 2) for _ in range(count)]
+    with pytest.raises(InputError, match="found most of them none of it and the others tearing it apart"):
+        own.reconstruct(Sketch(tuple(map(Stroke, walks))))
+
+
 DRAWN = [
     [(256, 61), (375, 157), (390, 240), (379, 321), (330, 390), (256, 420), (180, 390), (133, 324), (120, 240)],
     [(122, 200), (102, 200), (94, 219), (92, 238), (94, 253), (100, 273), (122, 276)],
@@ -152,12 +166,6 @@ def plain_face(*more):
     """The strokes of a plain face, and more lines."""
     first, *lines = [np.array(line, float) for line in DRAWN]
     return [Stroke(resample(line, 30)) for line in (np.concatenate([first, first[:1]]), *lines, *more)]
-
-
-@pytest.fixture(scope="module")
-def own():
-    """As the page reconstructs."""
-    return SessionTools().reconstruction
 
 
 def test_sides_of_a_nose_leave_its_bridge_in_the_middle(own):
@@ -202,7 +210,7 @@ def test_lines_that_leave_the_canvas_far_behind_are_compared_at_few_points():
 
 def test_where_too_little_is_left_the_fit_with_all_of_it_stays(own, monkeypatch):
     sketch = Sketch(tuple(plain_face(CREASE)), (512, 512))
-    monkeypatch.setattr(reconstruct_sketch, "_without", lambda named, curve, sketch: named.with_strokes([]))
+    monkeypatch.setattr(reconstruct_sketch, "_without", lambda named, curve, sketch: sketch)
     fit = own.reconstruct(sketch)
     assert not fit.left and len(fit.sketch.strokes) >= len(sketch.strokes)
 
@@ -213,3 +221,14 @@ def test_strokes_that_are_left_are_of_the_kind_that_they_were():
     pieces = (Stroke(line[:5], StrokeKind.SILHOUETTE, "nose"), Stroke(line[4:], StrokeKind.WRINKLE, "brow_left"))
     left = reconstruct_sketch._without(drawn.with_strokes(pieces), "nose", drawn)
     assert [(stroke.curve, stroke.kind) for stroke in left.strokes] == [(None, "feature"), ("brow_left", "wrinkle")]
+
+
+def test_strokes_that_share_ends_are_left_of_their_own_kinds():
+    outline = Stroke(np.array([[0.0, 0], [9, 0], [9, 9], [0, 9]]), StrokeKind.SILHOUETTE)
+    line = Stroke(outline.points[[0, 3]], StrokeKind.FEATURE)
+    other = Stroke(np.array([[0.0, 0], [5, 5], [7, 5]]), StrokeKind.UNKNOWN)
+    strange = Stroke(outline.points + 0.5, StrokeKind.WRINKLE)
+    for strokes in ((line, other, outline), (outline, other, line)):
+        named = Sketch(tuple(replace(stroke, curve="nose") for stroke in (*strokes, strange)))
+        left = reconstruct_sketch._without(named, "nose", Sketch(strokes))
+        assert [stroke.kind for stroke in left.strokes] == [*(stroke.kind for stroke in strokes), StrokeKind.UNKNOWN]
