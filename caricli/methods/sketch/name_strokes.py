@@ -92,11 +92,7 @@ def name_strokes(
     seen = [_own(face, handles) for face in faces]
     starts = [_likeliest([_Naming(nameless, handles, own, unit, settings) for own in laid])]
     starts += [_Naming(nameless, handles, own, unit, settings) for own in seen]
-    best, *others = [start.settled(handles, model, unit).by_parts(seen, handles, model, unit) for start in starts]
-    for other in others:
-        # What finds curves for short strokes alone, beside an outline that is left, is no better.
-        if other.cost < best.cost and other.length > _NEARLY_ALL * best.length:
-            best = other
+    best = _best([start.settled(handles, model, unit).by_parts(seen, handles, model, unit) for start in starts])
     return rejoined(best.named(), sketch)
 
 
@@ -123,12 +119,24 @@ def _with_rows(own: np.ndarray, rows: np.ndarray, other: np.ndarray) -> np.ndarr
 def _likeliest(namings: Sequence["_Naming"]) -> "_Naming":
     """Of several the cheapest, or one that names all strokes for hardly more: that one stroke fits well is no reason to
     leave all others where a face has room for every one."""
-    least = min(each.cost for each in namings)
-    return min(namings, key=lambda each: (each.cost > _NEARLY * least, not each.complete, each.cost))
+    floor = namings[0].floor
+    dearest = _NEARLY * (min(each.cost for each in namings) - floor)
+    return min(namings, key=lambda each: (each.cost - floor > dearest, not each.complete, each.cost))
+
+
+def _best(namings: Sequence["_Naming"]) -> "_Naming":
+    """The first, or one after it that costs less and finds curves for nearly as long strokes: for short ones alone,
+    beside an outline that is left, is no better."""
+    best, *others = namings
+    for other in others:
+        if other.cost < best.cost and other.length > _NEARLY_ALL * best.length:
+            best = other
+    return best
 
 
 class _Naming:
-    """What the strokes of a sketch draw of a face that lies somewhere. cost: sum over those that do not name it."""
+    """What the strokes of a sketch draw of a face that lies somewhere. cost: sum over those that do not name it, below
+    zero where they draw what a network finds likely."""
 
     def __init__(
         self, nameless: NamelessStrokes, handles: LineHandles, own: np.ndarray, unit: float, settings: NamingSettings
@@ -154,8 +162,7 @@ class _Naming:
         self.blocked = np.array([not taken.isdisjoint(each.names) for each in self.candidates])
         self.seldom = settings.seldom * np.array([each.names[0].startswith(SELDOM) for each in self.candidates])
         self.chosen: dict[int, Candidate] = {}
-        # Of what is likelier than others the cost falls below zero; shares of it count from the least.
-        self.cost = self._assign() - settings.unlikely * nameless.most_likely
+        self.cost = self._assign()
         self._put_in_order(_APART * unit)
         self._let_none_stand_alone()
         self._continue(nameless.shapes.lengths)
@@ -212,6 +219,11 @@ class _Naming:
         drawn = np.ix_(eyes, lids)
         dearest = float(self.costs.whole[drawn].max())
         self.costs.whole[drawn] *= min(1.0, _SURELY * self.settings.dearest / dearest)
+
+    @property
+    def floor(self) -> float:
+        """What it costs at least, from which shares of a cost count."""
+        return self.settings.unlikely * self.nameless.most_likely
 
     @property
     def length(self) -> float:

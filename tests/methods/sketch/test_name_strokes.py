@@ -1,6 +1,8 @@
 import itertools
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,9 +11,12 @@ from caricli.geometry.lines.match_line import resample
 from caricli.methods.sketch.clean_drawing import clean_drawing
 from caricli.methods.sketch.draw_sketch import canvas_camera, draw_sketch
 from caricli.methods.sketch.line_handles import LineHandles
-from caricli.methods.sketch.name_strokes import name_strokes
+from caricli.methods.sketch.name_strokes import _best, _likeliest, _Naming, name_strokes
+from caricli.methods.sketch.nameless_strokes import NamelessStrokes
 from caricli.methods.sketch.read_strokes import read_strokes
 from caricli.methods.sketch.see_sketch import see_sketch
+from caricli.methods.sketch.settings import NamingSettings
+from caricli.methods.sketch.strokes_read import StrokesRead
 from caricli.methods.sketch.unsure_share import unsure_share
 from caricli.methods.sketch.vary_sketch import vary_sketch
 from caricli.render.pixels.rasterise_sketch import rasterise_sketch
@@ -274,6 +279,35 @@ def test_wrinkles_without_a_name_beside_named_curves_are_not_unsure(sketch, hand
     assert unsure_share(drawn, drawn, handles) == 0
     bare = sketch.with_strokes((*sketch.strokes[:6], *6 * [wrinkle]))
     assert unsure_share(bare, bare, handles) == 1
+
+
+@pytest.mark.parametrize(
+    ("floor", "costs", "likeliest"), [(0, (2.0, 2.1), 1), (-3, (-1.0, -0.9), 1), (-3, (-1.0, -0.7), 0)]
+)
+def test_all_strokes_may_cost_a_little_more_than_the_least_that_there_is(floor, costs, likeliest):
+    namings: list[Any] = [SimpleNamespace(cost=cost, floor=floor, complete=k == 1) for k, cost in enumerate(costs)]
+    assert _likeliest(namings) is namings[likeliest]
+
+
+@pytest.mark.parametrize(
+    ("costs", "lengths", "best"), [((2, 1.99), (9, 9), 1), ((-2, -1.99), (9, 9), 0), ((2, 1), (9, 8), 0)]
+)
+def test_a_network_s_face_that_costs_a_little_less_counts(costs, lengths, best):
+    namings: list[Any] = [
+        SimpleNamespace(cost=cost, length=length) for cost, length in zip(costs, lengths, strict=True)
+    ]
+    assert _best(namings) is namings[best]
+
+
+def test_strokes_that_a_network_is_sure_of_cost_less_than_nothing(sketch, handles, person, camera):
+    names = tuple(dict.fromkeys(curves_of(sketch)))
+    chances = np.array([[float(stroke.curve == name) for name in names] for stroke in sketch.strokes])
+    plain = sketch.with_strokes(map(nameless, sketch.strokes))
+    drawn = NamelessStrokes.of(plain, lambda each, _: StrokesRead(each, chances, names))
+    own = camera.project(person[handles.vertices])
+    unit = float(np.linalg.norm(np.ptp(own, axis=0)))
+    naming = _Naming(drawn, handles, own, unit, NamingSettings())
+    assert naming.complete and naming.floor <= naming.cost < 0
 
 
 def met(named, drawn):
