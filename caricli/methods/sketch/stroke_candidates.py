@@ -83,10 +83,11 @@ class StrokeShapes:
 
     def may_draw(self, candidates: Sequence[Candidate]) -> np.ndarray:
         """(S, C) bool: whether strokes are of the kind of candidates, and closed where these are."""
-        silhouettes = np.array([each.kind == StrokeKind.SILHOUETTE for each in candidates])
-        kinds = np.array([kind == StrokeKind.SILHOUETTE for kind in self.kinds])[:, None] == silhouettes
-        kinds |= np.array([kind == StrokeKind.UNKNOWN for kind in self.kinds])[:, None]
-        return kinds & (self.rings[:, None] | ~np.array([each.loop for each in candidates]))
+        silhouettes = np.array([each.kind == StrokeKind.SILHOUETTE for each in candidates], bool)
+        loops = np.array([each.loop for each in candidates], bool)
+        kinds = np.array([kind == StrokeKind.SILHOUETTE for kind in self.kinds], bool)[:, None] == silhouettes
+        kinds |= np.array([kind == StrokeKind.UNKNOWN for kind in self.kinds], bool)[:, None]
+        return kinds & (self.rings[:, None] | ~loops)
 
 
 @dataclass(frozen=True, eq=False)
