@@ -415,6 +415,7 @@ def test_ears_are_found_in_the_picture_unless_nobody_shall_look(run, head_templa
         reports[outline]["width"] = np.ptp(read_obj(out).vertices[:, 0])
     assert reports["auto"]["found_landmarks"]["ear_left_outer"]["confidence"] > 0.1
     assert "found_landmarks" not in reports["none"]
+    assert (reports["auto"]["iterations"], reports["none"]["iterations"]) == (15, 10)
     assert reports["auto"]["width"] > 1.1 * reports["none"]["width"]
 
 

@@ -103,6 +103,6 @@ def _finished(search: PhotometricSearch, observation: Observation, start: Landma
     pose[5] /= search.window.zoom
     colours = model.colours(search.layout.parts(search.x)["albedo"])
     own = {field.name: getattr(fit, field.name) for field in fields(LandmarkFit)}
-    own["face"] = wear_colours(fit.face, model.template, colours)
+    own |= {"face": wear_colours(fit.face, model.template, colours), "rounds": start.rounds}
     named = search.layout.report(coefficients)
     return PhotometricFit(**own, coefficients=named, before=100 * before, after=100 * search.difference())

@@ -50,14 +50,16 @@ def fit_landmarks_latent(
 def _fit(observation: Observation, model: ShapeModel, settings: LatentSettings) -> LandmarkFit:
     search = _Search(observation, model, settings.noise)
     damping = Damping(_DAMPING.start, _DAMPING.ease, _DAMPING.tighten)
-    for number in range(settings.iterations):
+    rounds = settings.rounds + settings.refinements
+    for number in range(rounds):
         joint = number >= settings.rounds
         search.look(joint, robust=number >= _OUTLIERS.first_round)
         search.descend(joint, damping)
     latent = model.prior.colour(search.whitened)
     mesh = model.template.with_vertices(model.decode(latent))
     face = Face(mesh, search.camera, latent=latent, model_id=model.model_id)
-    return observation.measure(face, model, observation.shares(search.weights, settings.noise), settings)
+    fit = observation.measure(face, model, observation.shares(search.weights, settings.noise), settings)
+    return replace(fit, rounds=rounds)
 
 
 class _Search:

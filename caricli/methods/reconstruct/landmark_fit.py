@@ -39,8 +39,8 @@ class LandmarkFit:
     prior_rms: root mean square of the whitened latent, about 1 for a typical face.
     flipped: share of triangles that are turned over.
     part_errors: percent, mean distances by part of the face.
-    rounds: iterations that it took.
     settings: IntrinsicSettings or LatentSettings.
+    rounds: iterations of the fit to landmarks that it took, of both where there were two; 0 where none was needed.
     outline: Outline of what was found in the picture besides, or None where nobody looked; in no error but those of
     detected ears, which are where it and the detector together say.
     neck: how many times as wide as landmarks alone tell it the neck is, because the picture shows it so.
@@ -53,8 +53,8 @@ class LandmarkFit:
     prior_rms: float
     flipped: float
     part_errors: dict[str, float]
-    rounds: int
     settings: IntrinsicSettings | LatentSettings
+    rounds: int = 0
     outline: Outline | None = None
     neck: float = 1.0
 
@@ -235,7 +235,7 @@ class Observation:
         settings: IntrinsicSettings | LatentSettings,
         seen_with: Camera | None = None,
     ) -> LandmarkFit:
-        """The fit that a face is: last camera, landmarks and figures.
+        """The fit that a face is, but for its rounds: last camera, landmarks and figures.
 
         face: Face with a latent and the camera that it was found with, in units of the diagonal. model: of the latent.
         weights: (K,) of the known landmarks. seen_with: Camera in those units that is the last one, or None where the
@@ -264,7 +264,6 @@ class Observation:
             prior_rms=float(model.prior.rms(latent)),
             flipped=float(flipped_triangles(face.vertices, model.template.gradients).mean()),
             part_errors=part_errors,
-            rounds=settings.iterations,
             settings=settings,
         )
 

@@ -40,11 +40,6 @@ class IntrinsicSettings:
     corrections: int = 3
     exact: float = 0.002
 
-    @property
-    def iterations(self) -> int:
-        """All rounds of a fit."""
-        return self.rounds
-
 
 @dataclass(frozen=True)
 class LatentSettings:
@@ -58,11 +53,6 @@ class LatentSettings:
     noise: float = 0.0125
     rounds: int = 4
     refinements: int = 6
-
-    @property
-    def iterations(self) -> int:
-        """All rounds of a fit."""
-        return self.rounds + self.refinements
 
 
 @dataclass(frozen=True)

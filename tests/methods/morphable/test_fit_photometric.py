@@ -83,6 +83,7 @@ def test_it_is_one_face_with_one_camera(model, scene, fit):
     np.testing.assert_allclose(projected, fit.face.landmarks, atol=1e-9)
     assert fit.figures()["photometric"]["after"] == fit.after
     assert fit.face.pictures.skin.shape == (512, 512, 3)
+    assert fit.figures()["iterations"] == 10
 
 
 def test_what_does_not_show_skin_does_not_count(model, scene, fit):

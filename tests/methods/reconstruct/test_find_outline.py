@@ -255,6 +255,7 @@ def test_inside_a_model_too(frontal, pca):
     alone = fit_landmarks(truth.points[:68], pca, "latent")
     looked = fit_landmarks(truth.points[:68], pca, "latent", picture=ParsedPicture(image))
     assert ear_errors(looked.face, truth, pca).mean() < 0.8 * ear_errors(alone.face, truth, pca).mean()
+    assert (alone.rounds, looked.rounds) == (10, 20)
 
 
 def test_where_nothing_can_be_found(frontal, intrinsic):
