@@ -27,13 +27,14 @@ class RestingPockets:
     def withdraw(self, vertices: np.ndarray) -> np.ndarray:
         """``Cavities.withdraw`` of the face (V, 3) that has moved."""
         moved = vertices - self.vertices
-        reach = np.linalg.norm(self.cavities.closed(vertices)[0] - self.closed, axis=1)[self.surface].max(axis=1)
+        solid = self.cavities.closed(vertices)
+        reach = np.linalg.norm(solid[0] - self.closed, axis=1)[self.surface].max(axis=1)
         asked = []
         for pocket, depths, gaps in zip(self.cavities.pockets, self.depths, self.gaps, strict=True):
             own = np.linalg.norm(pocket.spots @ moved, axis=1)
             towards = reach[reach + own.max(initial=0.0) > gaps].max(initial=0.0)
             asked.append(depths < own + towards)
-        return self.cavities.withdraw(vertices, np.concatenate([np.zeros(0, bool), *asked]))
+        return self.cavities.withdraw(vertices, np.concatenate([np.zeros(0, bool), *asked]), solid)
 
     def _depths(self, points: np.ndarray) -> np.ndarray:
         """(P,) how far points (P, 3) are from the closed skin, negative outside."""

@@ -28,6 +28,9 @@ _JUST = 0.25  # of TOUCH: as far behind the skin goes what came out near a rim; 
 _CLEARLY = 0.3  # cosine to a vertex's normal from which on a point is surely on its other side
 _PULL = 1e3  # of the membrane's mean diagonal: what has to move moves as far as it has to
 
+Solid = tuple[np.ndarray, np.ndarray]
+"""Vertices and faces of the closed skin, see ``Cavities.closed``."""
+
 
 @dataclass(frozen=True, eq=False)
 class Pocket:
@@ -79,23 +82,31 @@ class Cavities:
         """Vertices (V, 3) with all pockets inside."""
         return self._pulled(vertices, self.touch, (self.margin, _JUST * self.touch))
 
-    def withdraw(self, vertices: np.ndarray, asked: np.ndarray | None = None) -> np.ndarray:
+    def withdraw(self, vertices: np.ndarray, asked: np.ndarray | None = None, solid: Solid | None = None) -> np.ndarray:
         """Vertices (V, 3) with what came through the skin behind it again, and all else of the pockets as near to it as
-        it was, but for what goes along. asked: (P,) bool, spots of all pockets that may have come out, or None."""
-        return self._pulled(vertices, 0.0, (0.0, self.touch), asked)
+        it was, but for what goes along. asked: (P,) bool, spots of all pockets that may have come out, or None. solid:
+        what ``closed`` gives of the vertices, where that was asked before, or None."""
+        return self._pulled(vertices, 0.0, (0.0, self.touch), asked, solid)
 
     def _pulled(
-        self, vertices: np.ndarray, allowed: float, required: tuple[float, float], asked: np.ndarray | None = None
+        self,
+        vertices: np.ndarray,
+        allowed: float,
+        required: tuple[float, float],
+        asked: np.ndarray | None = None,
+        solid: Solid | None = None,
     ) -> np.ndarray:
         """Vertices (V, 3) whose pockets with vertices nearer to the skin than allowed are farther than required: far
-        from the rim, and where they came out. asked: (P,) bool, or None, of the spots that are looked at first."""
+        from the rim, and where they came out. asked: (P,) bool, or None, of the spots that are looked at first. solid:
+        as of ``withdraw``."""
         vertices = np.array(vertices)
-        moves = self._moves(vertices, self.pockets, (allowed, required[1]), asked)
+        solid = self.closed(vertices) if solid is None else solid
+        moves = self._moves(solid, self.pockets, (allowed, required[1]), asked)
         pockets = [pocket for pocket, move in zip(self.pockets, moves, strict=True) if move.any()]
         for _ in range(ROUNDS):
             if not pockets:
                 break
-            moves = self._moves(vertices, pockets, required)
+            moves = self._moves(self.closed(vertices), pockets, required)
             for pocket, move in zip(pockets, moves, strict=True):
                 weights = pocket.spots[:, pocket.free]
                 pull = weights.T @ sp.diags(_PULL * pocket.laplacian.diagonal().mean() * move.any(axis=1))
@@ -105,7 +116,7 @@ class Cavities:
 
     def _moves(
         self,
-        vertices: np.ndarray,
+        solid: Solid,
         pockets: Sequence[Pocket],
         required: tuple[float, float],
         asked: np.ndarray | None = None,
@@ -114,15 +125,15 @@ class Cavities:
         (P,) bool, or None, of the spots of all pockets that are looked at."""
         if not pockets:
             return []
-        closed, surface = self.closed(vertices)
-        points = np.concatenate([pocket.spots @ vertices for pocket in pockets])
+        closed = solid[0]
+        points = np.concatenate([pocket.spots @ closed[: pocket.spots.shape[1]] for pocket in pockets])
         deep = np.concatenate([pocket.deep for pocket in pockets])
         moves = np.zeros_like(points)
         looked = np.arange(len(points)) if asked is None else np.flatnonzero(asked)
         if not required[0]:
             looked = looked[self._may_be_out(closed, points[looked])]
         if len(looked):
-            moves[looked] = self._inwards(points[looked], deep[looked], (closed, surface), required)
+            moves[looked] = self._inwards(points[looked], deep[looked], solid, required)
         return np.split(moves, np.cumsum([len(pocket.deep) for pocket in pockets])[:-1])
 
     def _may_be_out(self, vertices: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -133,10 +144,8 @@ class Cavities:
         gaps, nearest = KDTree(vertices[skin]).query(points)
         return ((points - vertices[skin][nearest]) * normals[nearest]).sum(1) > -_CLEARLY * gaps
 
-    def _inwards(
-        self, points: np.ndarray, deep: np.ndarray, solid: tuple[np.ndarray, np.ndarray], required: tuple[float, float]
-    ) -> np.ndarray:
-        """(P, 3) how far points (P, 3) must go. deep: (P,) bool. solid: vertices and faces of the closed skin."""
+    def _inwards(self, points: np.ndarray, deep: np.ndarray, solid: Solid, required: tuple[float, float]) -> np.ndarray:
+        """(P, 3) how far points (P, 3) must go. deep: (P,) bool."""
         closed, surface = solid
         squared, face, nearest = igl.point_mesh_squared_distance(points, closed, self.skin)
         distance = np.sqrt(squared)
@@ -152,7 +161,7 @@ class Cavities:
         signs = np.where(outside, -1.0, 1.0)
         return (signs * missing / np.maximum(distance, 1e-9))[:, None] * away
 
-    def closed(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def closed(self, vertices: np.ndarray) -> Solid:
         """Vertices (V, 3) with the middles of the openings appended, and the skin's faces with the fans."""
         closed = [vertices]
         fans = []

@@ -1,3 +1,6 @@
+from unittest.mock import Mock
+
+import igl
 import numpy as np
 import pytest
 
@@ -39,7 +42,7 @@ def test_most_of_what_keeps_still_is_not_looked_at(templates, monkeypatch):
     pockets = RestingPockets(cavities, templates.neutral)
     asked = []
 
-    def withdraw(vertices, spots):
+    def withdraw(vertices, spots, solid):
         asked.append(spots.mean())
         return vertices
 
@@ -49,7 +52,27 @@ def test_most_of_what_keeps_still_is_not_looked_at(templates, monkeypatch):
     assert np.mean(asked) < 0.25
 
 
+def test_skin_whose_pockets_stay_inside_is_closed_once(templates, monkeypatch):
+    cavities = templates.mesh.cavities
+    pockets = RestingPockets(cavities, templates.neutral)
+    closed = Mock(wraps=cavities.closed)
+    monkeypatch.setattr(cavities, "closed", closed)
+    assert np.array_equal(pockets.withdraw(templates.neutral), templates.neutral) and closed.call_count == 1
+
+
 def test_without_pockets_nothing_moves(templates):
     without = Cavities(templates.neutral, templates.mesh.faces, [])
     moved = 1.5 * templates.neutral
     assert np.array_equal(RestingPockets(without, templates.neutral).withdraw(moved), moved)
+
+
+def test_gaps_are_at_most_the_distances(ball):
+    """Of points right above the middles of triangles, far from all corners."""
+    vertices, faces = ball
+    pockets = RestingPockets(Cavities(vertices, faces, [np.flatnonzero(vertices[:, 2] > 0.6)]), vertices)
+    points = 1.01 * pockets.closed[pockets.surface[::7]].mean(1)
+    distances = [
+        np.sqrt(igl.point_mesh_squared_distance(points, pockets.closed, triangle[None])[0].min())
+        for triangle in pockets.surface
+    ]
+    assert (pockets._gaps(points) <= np.array(distances) + 1e-12).all()
