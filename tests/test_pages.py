@@ -14,6 +14,7 @@ import pytest
 
 from caricli.io.gltf.write_gltf import write_gltf
 from caricli.io.image import write_png
+from caricli.store.pictures import MARKS, PICTURES
 from caricli.structures import Mesh, Rig
 
 ROOT = Path(__file__).parents[1]
@@ -112,9 +113,33 @@ def test_a_click_shows_it_from_disk(page):
     assert size and float(size[1]) == pytest.approx(2, abs=0.1), done.stdout[-500:] + done.stderr[-500:]
 
 
-def test_names_are_in_natural_order():
+@pytest.fixture(scope="module")
+def heads():
+    """What heads.smk defines before it looks at any folder, by name."""
     text = (ROOT / "pipelines" / "common" / "heads.smk").read_text("utf-8")
-    source = re.search(r"def natural\(.*?\n\n\n", text, re.S)[0]
-    space = {"re": re}
-    exec(source, space)
-    assert sorted(["10", "b2", "2", "B10", "1a", "b1"], key=space["natural"]) == ["1a", "2", "10", "b1", "b2", "B10"]
+    space = {"re": re, "sys": sys, "Path": Path}
+    exec(re.search(r"def natural\(.*?\n\n\n(?=if )", text, re.S)[0], space)
+    return space
+
+
+def test_names_are_in_natural_order(heads):
+    assert sorted(["10", "b2", "2", "B10", "1a", "b1"], key=heads["natural"]) == ["1a", "2", "10", "b1", "b2", "B10"]
+
+
+@pytest.mark.parametrize("name", ["portrait", "expressions"])
+def test_a_workflow_says_which_files_it_takes(name):
+    text = (ROOT / "pipelines" / name / "README.md").read_text("utf-8")
+    assert [kind for kind in PICTURES + MARKS if f"`{kind}`" not in text] == []
+
+
+def test_of_files_of_one_name_the_first_kind_counts_or_they_are_refused(heads, tmp_path):
+    for name in ("10.JPG", "2.png", "2.jpg", "2.txt", "._2.jpg", ".3.png"):
+        (tmp_path / name).touch()
+    kinds = (".png", ".jpg")
+    assert list(heads["by_stem"](tmp_path, kinds).items()) == [("2", tmp_path / "2.png"), ("10", tmp_path / "10.JPG")]
+    with pytest.raises(SystemExit) as refused:
+        heads["by_stem"](tmp_path, kinds, alone=True)
+    words = "expected pictures whose names differ before the suffix, found 2.png, too"
+    assert str(refused.value) == f"{tmp_path / '2.jpg'}: {words}"
+    (tmp_path / "2.jpg").unlink()
+    assert list(heads["by_stem"](tmp_path, kinds, alone=True)) == ["2", "10"]

@@ -19,14 +19,15 @@ def natural(name):
 
 
 def by_stem(folder, kinds, alone=False):
-    """The files of these kinds in a folder by their stems; of one stem, the kind that is named first, or none other.
+    """The files of these kinds in a folder, but for hidden ones, by their stems; of one stem the kind that comes first.
 
     alone: whether two of one stem are refused.
     """
     if not Path(folder).is_dir():
         sys.exit(f"{folder}: expected a folder, found none")
     order = {kind: number for number, kind in enumerate(kinds)}
-    paths = [path for path in sorted(Path(folder).iterdir()) if path.suffix.lower() in order]
+    seen = (path for path in sorted(Path(folder).iterdir()) if not path.name.startswith("."))
+    paths = [path for path in seen if path.suffix.lower() in order]
     # Snakemake takes these for its own.
     if bad := next((path for path in paths if set("{}<>") & set(str(path))), None):
         sys.exit(f"{bad}: expected a path without any of {{}}<>, found this one")
