@@ -37,6 +37,14 @@ def test_linear_functions_of_the_chart_are_baked_exactly(grid, head_template):
     np.testing.assert_allclose(baked[grid.covered], expected[grid.covered], atol=2e-5)
 
 
+def test_no_value_hangs_on_which_corner_of_a_triangle_is_its_first(grid):
+    turned = ChartGrid(grid.chart, SIZE)
+    turned.chart = replace(grid.chart, faces=np.roll(grid.chart.faces, 1, axis=1))
+    turned.weights = np.roll(grid.weights, 1, axis=-1)
+    values = np.random.default_rng(0).normal(size=(len(grid.chart.vertices), 3))
+    np.testing.assert_array_equal(turned.bake_own(values), grid.bake_own(values))
+
+
 def test_the_mouth_is_where_the_membrane_is(grid):
     assert 0.01 < grid.mouth.mean() < 0.05 and (grid.covered >= grid.mouth).all()
     row, column = np.nonzero(grid.mouth)
