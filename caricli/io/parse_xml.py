@@ -1,6 +1,6 @@
 """XML that cannot grow or reach out."""
 
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, ParseError
 
 from caricli.errors import InputError, shown
 
@@ -10,8 +10,6 @@ def parse_xml(data: bytes, kind: str, advice: str = "") -> Element:
 
     kind: what is expected. advice: what is said besides where there are such. Raises InputError.
     """
-    from xml.etree.ElementTree import ParseError
-
     from defusedxml.common import DefusedXmlException
     from defusedxml.ElementTree import fromstring
 

@@ -68,13 +68,14 @@ def picture_sources(face: Path, texture: Path | None = None) -> PictureSources:
 
 
 def _own_sources(face: Path) -> PictureSources:
-    if face.suffix.lower() == ".npz" and face.is_file():
+    suffix = face.suffix.lower()
+    if suffix not in (".obj", ".npz"):
+        return PictureSources()
+    if suffix == ".npz" and face.is_file():
         names = read_picture_names(face)
         if names != PictureNames():
             return PictureSources(*(None if name is None else face.with_name(name) for name in names))
-    if face.suffix.lower() not in (".obj", ".npz"):
-        return PictureSources()
-    mesh = face.with_suffix(".obj") if face.suffix.lower() == ".npz" else face
+    mesh = face.with_suffix(".obj") if suffix == ".npz" else face
     named = material_pictures(mesh) if mesh.is_file() else {}
     kinds = ((PICTURED.get(material_named(name)), path) for name, path in reversed(named.items()))
     sources = PictureSources(**{kind: path for kind, path in kinds if kind is not None})

@@ -11,8 +11,8 @@ from caricli.geometry.lines.rows_at import rows_at
 def cut_line(line: np.ndarray, cuts: Sequence[float], carried: np.ndarray | None = None) -> list[np.ndarray]:
     """Pieces (M, D) of a line (N, D) between cuts, each of which begins where the one before ends.
 
-    cuts: ascending, shares of the line's length. carried: (N, A), what is known at its points, which then stands in
-    further columns (M, D + A) of the pieces; or None.
+    cuts: ascending, shares of the line's length. carried: (N,) or (N, A), what is known at its points, which then
+    stands in further columns (M, D + A) of the pieces, for (N,) in one; or None.
     """
     reached = arc_lengths(line)
     rows = line if carried is None else np.column_stack([line, carried])

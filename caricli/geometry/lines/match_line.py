@@ -7,11 +7,11 @@ import numpy as np
 from caricli.geometry.lines.rows_at import rows_at
 
 _FINEST = 8
-"""Samples of a drawn line for each point that is looked for."""
+"""Samples of a drawn line for each point that is looked for, within ``_SAMPLES``."""
 _SAMPLES = (64, 320)
-"""Of a line, least and most, and"""
+"""Of a line: least, and most where these are not fewer than ``_COARSEST`` for each point."""
 _COARSEST = 3
-"""for each point at least so many: a step takes one or more."""
+"""Samples for each point, at least, however many points there are: a step takes one or more."""
 _SKIPPED = 1e-9
 """Of a line's length: points nearer to each other are one."""
 

@@ -29,3 +29,5 @@ def test_what_is_carried_is_cut_along():
     first, second = cut_line(line, [0.25], np.array([0.0, 1.0, 0.5]))
     np.testing.assert_allclose(first, [[0.0, 0, 0], [2.0, 0, 0.5]])
     np.testing.assert_allclose(second, [[2.0, 0, 0.5], [4.0, 0, 1], [4.0, 4, 0.5]])
+    _, several = cut_line(line, [0.25], np.array([[0.0, 3], [1.0, 3], [0.5, 3]]))
+    np.testing.assert_allclose(several, np.column_stack([second, [3, 3, 3]]))
