@@ -23,7 +23,7 @@ from caricli.io.npz import npz_holds
 from caricli.io.strict_json import read_json
 from caricli.limits import MAX_DATASET_BYTES
 from caricli.structures import Mesh
-from caricli.template.annotation import parse_annotation
+from caricli.template.annotation import check_keys, parse_annotation
 from caricli.template.own_parts import read_own_parts
 from caricli.template.template import Template
 
@@ -78,7 +78,10 @@ def import_dataset(
     with naming(mesh_folder):
         unit = settings.unit or measured_unit(heights)
     shapes *= np.float32(UNITS[unit])
-    annotation = parse_annotation(read_json(annotation_path), len(first.vertices), str(annotation_path))
+    given = read_json(annotation_path)
+    annotation = parse_annotation(given, len(first.vertices), str(annotation_path))
+    with naming(annotation_path):
+        check_keys(given)
     mean = shapes.mean(0, dtype=float)
     template = Template(mean, first.polygons, first.uvs, first.uv_polygons, annotation=annotation)
     check_head(template, mesh_folder, annotation_path)

@@ -1,17 +1,24 @@
 """What is known by name on a head: landmarks, jaw paths, curves, regions, mirror map, eyeballs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from caricli.errors import InputError, naming
+from caricli.errors import InputError, naming, shown
 from caricli.io.bundled import asset_path
 from caricli.io.strict_json import found_value, read_json, take
 from caricli.structures.landmarks import COUNT, EXTRA, GROUPS, JAW
 from caricli.structures.parts import Hold
+
+_KEYS = (
+    *("ibug68", "extra13", "extra13_names", "jaw_paths", "curves", "closed_curves", "regions", "mirror", "eyeballs"),
+    *("parts", "template"),
+)
+"""Of an annotation's JSON; ``extra13_names`` and ``template`` are for its readers."""
 
 CAVITIES = ("inner_mouth", "eye_socket_left", "eye_socket_right")
 """Regions that turn inwards, which neither landmarks nor pictures see."""
@@ -82,6 +89,21 @@ def parse_annotation(value: Any, vertex_count: int, where: str) -> Annotation:
         raise InputError(f"{where}: expected a JSON object with vertex ids under 'ibug68', found {kind}")
     with naming(where):
         return _annotation(value, vertex_count)
+
+
+def check_keys(value: Mapping[str, Any]) -> None:
+    """Raise InputError for a key of an annotation's JSON that means nothing, and closed curves that it does not name.
+
+    Models of before, which hold such a key, are read nevertheless.
+    """
+    unknown = [key for key in value if key not in _KEYS]
+    if unknown:
+        meant = "".join(f"; is {key} meant?" for key in get_close_matches(unknown[0], _KEYS, 1))
+        raise InputError(f"expected keys of {', '.join(_KEYS)}, found {shown(unknown[0], 40)!r}{meant}")
+    curves = value.get("curves", {})
+    strange = [name for name in value.get("closed_curves", []) if name not in curves]
+    if strange:
+        raise InputError(f"closed_curves: expected names of curves, found {shown(strange[0], 40)!r}")
 
 
 def _annotation(value: dict, vertex_count: int) -> Annotation:

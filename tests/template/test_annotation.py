@@ -6,7 +6,7 @@ import pytest
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path
 from caricli.structures.landmarks import EXTRA_NAMES
-from caricli.template.annotation import CAVITIES, DELICATE, bundled_annotation, parse_annotation
+from caricli.template.annotation import CAVITIES, DELICATE, bundled_annotation, check_keys, parse_annotation
 
 COUNT = 200
 
@@ -172,3 +172,12 @@ def test_the_bundled_annotation_is_good_and_fits_only_its_mesh():
     assert bundled is bundled_annotation() and bundled.source == value and len(bundled.mirror) == 4200
     with pytest.raises(InputError, match="from 0 to 4198"):
         parse_annotation(value, 4199, "head_annotation.json")
+
+
+def test_keys_that_mean_nothing_are_refused():
+    check_keys(bundled_annotation().source)
+    for key, meant in (("extra_13", "extra13"), ("jawpaths", "jaw_paths")):
+        with pytest.raises(InputError, match=f"expected keys of ibug68, .*found '{key}'; is {meant} meant"):
+            check_keys(good() | {key: []})
+    with pytest.raises(InputError, match="closed_curves: expected names of curves, found 'nonsense'"):
+        check_keys(good() | {"closed_curves": ["nonsense"]})
