@@ -101,7 +101,9 @@ def test_a_sheet_shows_them(run, folder, tmp_path):
 
 def test_what_is_no_dataset_or_of_another_mesh_is_refused(refused, folder, tmp_path):
     assert "dataset" in refused("dataset", "pictures", tmp_path / "none", tmp_path / "out")
-    assert "dataset.json" in refused("dataset", "pictures", folder, tmp_path / "out")
+    assert "expected a dataset, found a folder of `caricli dataset pictures`" in refused(
+        "dataset", "pictures", folder, tmp_path / "out"
+    )
     assert not (tmp_path / "out").exists()
 
 
