@@ -4,16 +4,20 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from caricli.data.dataset import SPLITS, Dataset
 from caricli.data.regular_face import has_partners
-from caricli.errors import InputError
+from caricli.errors import InputError, naming
 from caricli.structures import SeenPeople
 from caricli.structures.seen_people import BY, MAKING, MESHES
 from caricli.structures.seen_people import KEY as PEOPLE
+
+if TYPE_CHECKING:
+    from caricli.data.picture_set import PictureSet
+    from caricli.data.texture_set import TextureSet
 
 DIGITS = 12
 """Hexadecimal ones of a fingerprint: among a million people two have the same by a chance of one in five hundred."""
@@ -104,14 +108,15 @@ def told_people(manifest: Mapping[str, Any]) -> dict[str, frozenset[str]]:
     return {split: frozenset(marks.split()) for split, marks in people.items()}
 
 
-def training_entry(manifests: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def training_entry(sets: Sequence["PictureSet | TextureSet"]) -> dict[str, Any]:
     """What the recipe of a training on folders made of datasets says of its people: nothing where a folder does not.
 
     Raises InputError where one trains with somebody whom another tries.
     """
-    told = [told_people(manifest) for manifest in manifests]
-    people = different_people(told)
-    by = frozenset(manifest.get(BY, MAKING) for manifest in manifests)
+    with naming(", ".join(str(each.folder) for each in sets)):
+        told = [told_people(each.manifest) for each in sets]
+        people = different_people(told)
+    by = frozenset(each.manifest.get(BY, MAKING) for each in sets)
     return replace(people, by=by).as_recipe() if all(told) else {}
 
 

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from functools import wraps
+from threading import RLock
 from typing import ParamSpec, TypeVar
 
 import torch
 
 P = ParamSpec("P")
 R = TypeVar("R")
+_alone = RLock()
 
 
 def on_one_core(function: Callable[P, R]) -> Callable[P, R]:
@@ -19,12 +21,14 @@ def on_one_core(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
-        threads = torch.get_num_threads()
-        torch.set_num_threads(1)
-        try:
-            with torch.inference_mode():
-                return function(*args, **kwargs)
-        finally:
-            torch.set_num_threads(threads)
+        # The number is the whole process's: one that was set beside another would stay, or end too soon.
+        with _alone:
+            threads = torch.get_num_threads()
+            torch.set_num_threads(1)
+            try:
+                with torch.inference_mode():
+                    return function(*args, **kwargs)
+            finally:
+                torch.set_num_threads(threads)
 
     return run

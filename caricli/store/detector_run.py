@@ -5,12 +5,10 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from caricli.cores import usable_cores
 from caricli.data.evenly import evenly
 from caricli.data.picture_set import read_picture_set
-from caricli.data.unseen import training_entry
 from caricli.data.worker_pool import worker_pool
 from caricli.errors import naming
 from caricli.methods.evaluate.evaluate_detector import DetectorTally, JudgedPicture, evaluate_detector
@@ -27,16 +25,6 @@ from caricli.models.detector.model import detector_to_checkpoint
 from caricli.models.detector.networks import detector_of, network_of
 from caricli.store.detector import load_detector
 from caricli.store.training_run import RunFolder
-
-
-def detector_people(folders: Sequence[Path]) -> dict[str, Any]:
-    """What the recipe of a training on folders of pictures says of its people.
-
-    Raises InputError when one is no such folder, or one trains with somebody whom another tries.
-    """
-    manifests = [read_picture_set(folder).manifest for folder in folders]
-    with naming(", ".join(map(str, folders))):
-        return training_entry(manifests)
 
 
 def load_training(

@@ -9,7 +9,7 @@ import numpy as np
 
 from caricli.data.dataset import SPLITS
 from caricli.data.texture_set import MANIFEST, ActedTextures, TextureSet, read_texture_set
-from caricli.data.unseen import strange_splits, training_entry
+from caricli.data.unseen import strange_splits
 from caricli.errors import InputError, naming
 from caricli.io.provenance import made_of
 from caricli.methods.dynamic.chart_pictures import ChartGrid
@@ -58,16 +58,6 @@ def texture_sources(folders: Sequence[Path], drawings: Path | None, styles: Path
     sets = [*folders, *([] if drawings is None else [drawings])]
     pictures = [] if styles is None or not styles.is_dir() else pictures_in(styles)
     return [*(folder / MANIFEST for folder in sets), *pictures]
-
-
-def texture_people(folders: Sequence[Path]) -> dict[str, Any]:
-    """What the recipe of a training on folders of textures says of its people.
-
-    Raises InputError when one is no such folder, or one trains with somebody whom another tries.
-    """
-    manifests = [read_texture_set(folder).manifest for folder in folders]
-    with naming(", ".join(map(str, folders))):
-        return training_entry(manifests)
 
 
 def load_texture_ingredients(

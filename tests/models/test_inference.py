@@ -1,5 +1,8 @@
 """Networks run on one core."""
 
+import time
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 import torch
 
@@ -33,3 +36,19 @@ def test_a_layer_says_the_same_on_any_number_of_cores(two_threads):
     told = on_one_core(layer)(values)
     torch.set_num_threads(1)
     assert torch.equal(told, on_one_core(layer)(values))
+
+
+def test_two_that_run_at_once_wait_for_each_other(two_threads):
+    inside = []
+
+    @on_one_core
+    def look(number: int) -> int:
+        inside.append(number)
+        time.sleep(0.05)
+        most = len(inside)
+        inside.remove(number)
+        return most
+
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(look, range(2))) == [1, 1]
+    assert torch.get_num_threads() == 2

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 import torch
 
+from caricli.data.picture_set import read_picture_set
+from caricli.data.unseen import training_entry
 from caricli.errors import InputError
 from caricli.io.bundled import asset_path, config_path
 from caricli.io.config import read_config
@@ -13,7 +15,7 @@ from caricli.methods.train.processes import ALL
 from caricli.models.detector.config import DetectorConfig
 from caricli.models.detector.networks import network_of
 from caricli.store.detector import load_detector
-from caricli.store.detector_run import DetectorRun, detector_people, drawing_ahead, load_training
+from caricli.store.detector_run import DetectorRun, drawing_ahead, load_training
 from caricli.store.training_run import FILES, MODEL, Beginning
 from tests.drawn_pictures import mean_shape, write_drawn_set
 
@@ -61,10 +63,11 @@ def test_folders_that_share_people_between_splits_are_refused(head_template, pic
         write_drawn_set(tmp_path / split, shape, 8, 0, people={split: "0123456789ab"}) for split in ("train", "test")
     ]
     with pytest.raises(InputError, match="/test: expected datasets of different people, found 1 whom"):
-        detector_people(folders)
+        training_entry([read_picture_set(folder) for folder in folders])
     # Of people of an older folder nobody can tell.
-    assert detector_people([pictures, folders[0]]) == {}
-    assert detector_people(folders[:1]) == {"people": {"train": "0123456789ab", "validation": ""}}
+    one = read_picture_set(folders[0])
+    assert training_entry([read_picture_set(pictures), one]) == {}
+    assert training_entry([one]) == {"people": {"train": "0123456789ab", "validation": ""}}
 
 
 def test_what_a_gpu_learns_from_other_processes_draw_alike(pictures, tmp_path, monkeypatch):

@@ -53,16 +53,19 @@ def command(pictures, out, config, overrides, start, resume, device, overwrite):
     from caricli.commands.shared.progress import progress_bar, training_bar
     from caricli.commands.shared.tables import detector_figures
     from caricli.commands.shared.training import chosen_device
+    from caricli.data.picture_set import read_picture_set
+    from caricli.data.unseen import training_entry
     from caricli.methods.train.processes import training_processes
     from caricli.models.detector.config import DetectorConfig
-    from caricli.store.detector_run import DetectorRun, detector_people, drawing_ahead, load_training
+    from caricli.store.detector_run import DetectorRun, drawing_ahead, load_training
     from caricli.store.training_run import MODEL, Beginning
 
     settings = read_config(config, DetectorConfig, overrides)
     place = chosen_device(device)
     with training_processes(place) as share:
         sources = [*(folder / "pictures.json" for folder in pictures), *([] if start is None else [start])]
-        recipe = provenance("train detector", sources, config=asdict(settings)) | detector_people(pictures)
+        recipe = provenance("train detector", sources, config=asdict(settings))
+        recipe |= training_entry([read_picture_set(folder) for folder in pictures])
         run = DetectorRun(out, recipe, Beginning(resume, overwrite, share.process == 0, (*pictures, start, config)))
         training = load_training(pictures, settings, share, place, start)
         with drawing_ahead(training, pictures), training_bar(settings.epochs, quiet=not run.writes) as show:

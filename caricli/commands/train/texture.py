@@ -51,24 +51,24 @@ def command(folders, out, styles, drawings, config, overrides, resume, overwrite
       caricli train texture --data textures --styles drawings --out run --resume
     """
     from caricli.commands.shared.progress import progress_bar, training_bar
+    from caricli.data.texture_set import read_texture_set
+    from caricli.data.unseen import training_entry
     from caricli.methods.train.processes import training_processes
     from caricli.models.texture.config import TextureConfig
     from caricli.store.styles import load_style_book
-    from caricli.store.texture_run import TextureRun, load_texture_ingredients, texture_people, texture_sources
+    from caricli.store.texture_run import TextureRun, load_texture_ingredients, texture_sources
     from caricli.store.training_run import MODEL, Beginning
 
     settings = read_config(config, TextureConfig, overrides)
     with training_processes("cpu") as share:
         book, notes = load_style_book(styles, settings.seed)
-        sources = texture_sources(folders, drawings, styles)
-        told = [*folders, *([] if drawings is None else [drawings])]
-        recipe = provenance("train texture", sources, config=asdict(settings)) | texture_people(told)
+        recipe = provenance("train texture", texture_sources(folders, drawings, styles), config=asdict(settings))
+        recipe |= training_entry([read_texture_set(folder) for folder in (*folders, drawings) if folder is not None])
         beginning = Beginning(resume, overwrite, share.process == 0, (*folders, drawings, styles, config))
         run = TextureRun(out, recipe, beginning)
         echo_notes(*(f"caricli: {note}" for note in notes if run.writes))
         with progress_bar("painting") as report:
-            ingredients = load_texture_ingredients(folders, drawings, settings, book, report)
-        training = ingredients.training(settings, share)
+            training = load_texture_ingredients(folders, drawings, settings, book, report).training(settings, share)
         with training_bar(settings.epochs, quiet=not run.writes) as show:
             for line in run.follow(training):
                 show(line)
